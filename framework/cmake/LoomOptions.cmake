@@ -1,0 +1,14 @@
+# Warnings and sanitizers, for every target of this tree.
+add_library(loom_options INTERFACE)
+target_compile_options(loom_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror)
+if(LOOM_SANITIZE)
+  target_compile_options(loom_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
+                                                -fno-omit-frame-pointer)
+  target_link_options(loom_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+# What two binaries must agree on to share C++ objects across a plugin boundary.
+set(LOOM_BUILD_TAG "${CMAKE_CXX_COMPILER_ID}-${CMAKE_CXX_COMPILER_VERSION}")
+if(LOOM_SANITIZE)
+  string(APPEND LOOM_BUILD_TAG "-sanitize")
+endif()

@@ -1,0 +1,76 @@
+#include "loom/bundles.h"
+
+#include <algorithm>
+
+#include "interop/camera.h"
+#include "interop/light.h"
+
+namespace loom {
+
+bool BundleType::same_layout(const BundleType& other) const {
+  return name == other.name && version == other.version && struct_bytes == other.struct_bytes &&
+         std::equal(members.begin(), members.end(), other.members.begin(), other.members.end(),
+                    [](const BundleMember& a, const BundleMember& b) {
+                      return a.name == b.name && a.kind == b.kind && a.unit == b.unit;
+                    });
+}
+
+const BundleMember* BundleType::find(std::string_view member) const {
+  const auto it = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.name == member; });
+  return it == members.end() ? nullptr : &*it;
+}
+
+const std::vector<BundleType>& builtin_bundles() {
+  constexpr auto texture = MemberKind::texture;
+  constexpr auto buffer = MemberKind::buffer;
+  static const std::vector<BundleType> types = {
+      {.name = "Surface",
+       .members = {{"depth", texture, "m", "distance along the camera ray; 0 where nothing is seen"},
+                   {"normal", texture, "", "unit shading normal, world, towards the viewer"},
+                   {"geometric_normal", texture, "", "unit normal of the triangle, world, towards the viewer"},
+                   {"albedo", texture, "", "diffuse albedo ρ = baseColor·(1−metallic)"},
+                   {"emission", texture, "W/(m² sr)", "exitant radiance towards the viewer"}},
+       .struct_bytes = sizeof(interop::Camera),
+       .doc = "The nearest surface at each pixel (G-buffer), with the camera that saw it"},
+      {.name = "LightLayers",
+       .members = {{"flux", texture, "W", "reflected flux Φ of each texel, one layer a light face"},
+                   {"normal", texture, "", "unit geometric normal, world, towards the light"},
+                   {"depth", texture, "m", "radial distance from the light (directional: along it); 0 = nothing"},
+                   {"shadow", texture, "", "hardware depth (reversed) at shadow_size"},
+                   {"faces", buffer, "", "LightFace of each layer (shaders/interop/light.h)"}},
+       .struct_bytes = sizeof(interop::LightLayers),
+       .doc = "What each light sees (reflective shadow maps), one layer a light face"},
+      {.name = "ShVolume",
+       .members = {{"red", texture, "W/sr", "SH coefficients of the red channel, or of luminance"},
+                   {"green", texture, "W/sr", "SH coefficients of the green channel"},
+                   {"blue", texture, "W/sr", "SH coefficients of the blue channel"},
+                   {"occupancy", texture, "", "blocked share of each cell face, three axes"}},
+       .struct_bytes = 64,
+       .doc = "A directional function at each cell of a grid, as spherical harmonics"},
+      {.name = "VoxelScene",
+       .members = {{"occupancy", texture, "", "coverage × alpha, by axis"},
+                   {"normal", texture, "", "mean normal"},
+                   {"albedo", texture, "", "mean diffuse albedo"},
+                   {"emission", texture, "W/(m² sr)", "mean exitant radiance of emitters"},
+                   {"radiance", texture, "W/(m² sr)", "directly lit exitant radiance"}},
+       .struct_bytes = 64,
+       .doc = "The scene in voxels"},
+      {.name = "ProbeField",
+       .members = {{"coefficients", texture, "W/(m² sr)", "radiance coefficients of each probe"},
+                   {"moments", texture, "m", "mean and mean square of the radial distance, by direction"},
+                   {"state", texture, "m", "offset of the probe from its grid point, and whether it is on"}},
+       .struct_bytes = 64,
+       .doc = "Radiance at the probes of a grid"},
+      {.name = "VplSet",
+       .members = {{"lights", buffer, "W", "virtual point lights: position, normal, flux"}},
+       .struct_bytes = 16,
+       .doc = "Virtual point lights"},
+      {.name = "Irradiance",
+       .members = {{"irradiance", texture, "W/m²", "irradiance at each pixel's surface"}},
+       .doc = "Irradiance at the visible surface, RGB"},
+      {.name = "Image", .members = {{"image", texture, "", "RGBA"}}, .doc = "A picture; `quantity` says of what"},
+  };
+  return types;
+}
+
+}  // namespace loom

@@ -1,0 +1,30 @@
+#pragma once
+// A current OpenGL 4.5 core context: headless through EGL, or one that the caller already has.
+#include <memory>
+#include <string>
+
+#include "loom/export.h"
+
+namespace loom::gpu {
+
+/// Owns a headless context and keeps it current on the calling thread. Throws Error that says what was tried (device
+/// platform, then surfaceless) and which package brings a software driver.
+class LOOM_API Context {
+ public:
+  static Context headless();
+  ~Context();
+  Context(Context&&) noexcept;
+  Context& operator=(Context&&) noexcept;
+
+ private:
+  struct State;
+  explicit Context(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Throws Error where no context is current, or one below 4.5 core. Installs the debug callback where there is one.
+LOOM_API void require_current_context();
+/// "llvmpipe (LLVM 15.0.6, 256 bits) · Mesa · 4.5 (Core Profile) Mesa 22.3.6"
+LOOM_API std::string describe_device();
+
+}  // namespace loom::gpu

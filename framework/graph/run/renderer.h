@@ -1,0 +1,72 @@
+#pragma once
+// Runs a compiled graph: allocates its slots, prepares its passes, executes frames, measures them.
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+
+#include "graph/compile/compile.h"
+#include "interop/camera.h"
+#include "loom/export.h"
+#include "loom/frame.h"
+#include "loom/gpu.h"
+#include "loom/scene_view.h"
+
+namespace loom::graph {
+
+/// Milliseconds of one pass over the measured frames. The first frame (warm-up) is left out where there are more.
+struct PassTimes {
+  std::string name, type;
+  double gpu_median_ms = 0, gpu_p95_ms = 0, cpu_median_ms = 0;
+};
+struct FrameTimes {
+  double wall_median_ms = 0, gpu_median_ms = 0, cpu_median_ms = 0;
+};
+
+struct RendererOptions {
+  bool poison = false;        ///< fill transients with NaN before each frame: undeclared reads show (tests)
+  bool fingerprints = true;   ///< keep outputs whose fingerprint did not change
+  bool check_finite = false;  ///< count non-finite and negative texels of every output after every pass
+};
+
+struct FiniteReport {
+  std::string pass, member;
+  std::uint64_t frame = 0, non_finite = 0, negative = 0;
+};
+
+/// An image read back: RGBA floats, row 0 at the top.
+struct ReadImage {
+  int width = 0, height = 0, layers = 1;
+  std::vector<glm::vec4> texels;
+  std::string quantity;
+};
+
+class LOOM_API Renderer {
+ public:
+  /// Takes the graph; `device` must outlive the renderer. Throws Error naming the pass that could not be prepared.
+  static std::unique_ptr<Renderer> create(CompiledGraph graph, Device& device, RendererOptions options = {});
+  virtual ~Renderer() = default;
+
+  virtual void render(const SceneView& scene, const interop::Camera& camera, const FrameInfo& info) = 0;
+  /// Clears history and persistent state, as after loading.
+  virtual void reset() = 0;
+  /// The texture of a compiled output ("image", "hdr", "gbuffer.surface.depth"), or null where it is absent (zero).
+  [[nodiscard]] virtual const Texture* output(std::string_view name) const = 0;
+  /// Reads an output back; an absent one is zero at frame size.
+  [[nodiscard]] virtual ReadImage read(std::string_view name) const = 0;
+  /// Hands an external texture to `inputs.<name>` of the pipeline, as `member`; it must fit the declaration.
+  virtual void set_input(std::string_view name, std::string_view member, GlName texture, const TextureDesc& desc) = 0;
+
+  [[nodiscard]] virtual const CompiledGraph& graph() const = 0;
+  [[nodiscard]] virtual std::vector<PassTimes> pass_times() const = 0;
+  [[nodiscard]] virtual FrameTimes frame_times() const = 0;
+  [[nodiscard]] virtual std::vector<FiniteReport> finite_reports() const = 0;
+  /// Passes that kept their outputs in the last frame.
+  [[nodiscard]] virtual std::vector<std::string> kept_passes() const = 0;
+};
+
+}  // namespace loom::graph

@@ -1,0 +1,38 @@
+#pragma once
+// The scene as a pass sees it while it executes: GPU geometry to draw, lights, camera, and versions that tell what
+// changed.
+#include <cstdint>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+#include "loom/export.h"
+#include "loom/facts.h"
+#include "loom/gpu.h"
+
+#include "interop/camera.h"
+#include "interop/light.h"
+
+namespace loom {
+
+/// Scene buffers that shaders reach by these block names (see shaders/lib/scene.glsl):
+/// scene_lights, scene_emitters, scene_bvh_nodes, scene_bvh_triangles, scene_draws, scene_materials.
+class LOOM_API SceneView {
+ public:
+  virtual ~SceneView() = default;
+  [[nodiscard]] virtual const SceneFacts& facts() const = 0;
+  [[nodiscard]] virtual std::span<const interop::Light> lights() const = 0;
+  [[nodiscard]] virtual glm::vec3 sky_radiance() const = 0;  ///< W/(m² sr)
+  /// Change counters: equal numbers mean an equal state.
+  [[nodiscard]] virtual std::uint64_t geometry_version() const = 0;
+  [[nodiscard]] virtual std::uint64_t lights_version() const = 0;
+  /// Draws all surfaces with the bound program (vertex stage: shaders/lib/scene_vertex.glsl), nothing culled, with
+  /// each material's textures bound. `instances` repeats every triangle (gl_InstanceID), for layered targets.
+  virtual void draw(const Program& program, int instances = 1) const = 0;
+  /// The storage buffer of that block name, or null where the scene has none.
+  [[nodiscard]] virtual const Buffer* buffer(std::string_view block) const = 0;
+  /// Textures that shaders reach by sampler name (scene_alpha: r8 array of the alpha of masked materials), or null.
+  [[nodiscard]] virtual const Texture* texture(std::string_view sampler) const = 0;
+};
+
+}  // namespace loom

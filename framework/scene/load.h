@@ -1,0 +1,41 @@
+#pragma once
+// Scenes from glTF 2.0 (.gltf, .glb) and run files (.json).
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "loom/diagnostic.h"
+#include "loom/export.h"
+#include "loom/facts.h"
+#include "scene/scene.h"
+
+namespace loom::scene {
+
+/// Loads and poses a glTF file. Throws BadInput where the picture would be wrong; what is merely left out becomes a
+/// warning in `diagnostics`. Nothing outside the file's folder is read and nothing is fetched from a network.
+LOOM_API Scene load_gltf(const std::string& path, Diagnostics& diagnostics);
+
+/// What a run file or a bare scene path means, with every default filled in.
+struct Setup {
+  Scene scene;
+  Camera camera;
+  std::optional<glm::ivec2> size;
+  std::string pipeline;                                  ///< path, empty where not given
+  std::vector<std::pair<std::string, std::string>> set;  ///< "pass.param", value as JSON text
+};
+
+/// `path`: .gltf, .glb, a run file, or empty for the built-in Cornell box. `camera`: empty, a name in the file, or a
+/// JSON object as in a run file. Adds the headlamp where nothing at all emits, and says so.
+LOOM_API Setup load_setup(const std::string& path, const std::string& camera, Diagnostics& diagnostics);
+
+/// Moves everything to where it is at `time_s` of the first animation (bind pose where there is none): node matrices,
+/// lights, cameras, instances, skinned vertices. Returns false where nothing moved.
+LOOM_API bool pose(Scene& scene, double time_s);
+
+LOOM_API SceneFacts compute_facts(const Scene& scene);
+
+}  // namespace loom::scene
