@@ -13,6 +13,10 @@
 #include "interop/camera.h"
 #include "interop/light.h"
 
+namespace loom::scene {
+struct Scene;
+}
+
 namespace loom {
 
 /// Scene buffers that shaders reach by these block names (see shaders/lib/scene.glsl):
@@ -33,6 +37,8 @@ class LOOM_API SceneView {
   [[nodiscard]] virtual const Buffer* buffer(std::string_view block) const = 0;
   /// Textures that shaders reach by sampler name (scene_alpha: r8 array of the alpha of masked materials), or null.
   [[nodiscard]] virtual const Texture* texture(std::string_view sampler) const = 0;
+  /// The scene on the CPU, posed as this view shows it, for a pass that traces rays itself; null where there is none.
+  [[nodiscard]] virtual const scene::Scene* cpu_scene() const { return nullptr; }
 };
 
 }  // namespace loom
