@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "interop/camera.h"
+#include "interop/grid.h"
 #include "interop/light.h"
 
 namespace loom {
@@ -43,17 +44,16 @@ const std::vector<BundleType>& builtin_bundles() {
       {.name = "ShVolume",
        .members = {{"red", texture, "W/sr", "SH coefficients of the red channel, or of luminance"},
                    {"green", texture, "W/sr", "SH coefficients of the green channel"},
-                   {"blue", texture, "W/sr", "SH coefficients of the blue channel"},
-                   {"occupancy", texture, "", "blocked share of each cell face, three axes"}},
-       .struct_bytes = 64,
+                   {"blue", texture, "W/sr", "SH coefficients of the blue channel"}},
+       .struct_bytes = sizeof(interop::Grid),
        .doc = "A directional function at each cell of a grid, as spherical harmonics"},
       {.name = "VoxelScene",
-       .members = {{"occupancy", texture, "", "coverage × alpha, by axis"},
+       .members = {{"occupancy", texture, "", "blocked share of each cell's three lower faces"},
                    {"normal", texture, "", "mean normal"},
-                   {"albedo", texture, "", "mean diffuse albedo"},
+                   {"albedo", texture, "", "mean diffuse albedo; by face axis where there are three slabs of slices"},
                    {"emission", texture, "W/(m² sr)", "mean exitant radiance of emitters"},
                    {"radiance", texture, "W/(m² sr)", "directly lit exitant radiance"}},
-       .struct_bytes = 64,
+       .struct_bytes = sizeof(interop::Grid),
        .doc = "The scene in voxels"},
       {.name = "ProbeField",
        .members = {{"coefficients", texture, "W/(m² sr)", "radiance coefficients of each probe"},
