@@ -40,7 +40,10 @@ struct LOOM_API Member {
 };
 
 /// Parses UTF-8 text. Reports syntax errors, duplicate keys, nesting over 64 levels, numbers that are not finite and
-/// bytes that are not UTF-8 into `diagnostics`; returns a null node if there was an error.
+/// bytes that are not UTF-8 into `diagnostics`. Returns a null node where the text cannot be read to its end; after a
+/// duplicate key (the first one counts) the rest is there, so that its mistakes can be reported too. Codes:
+/// json-syntax, duplicate-key, too-deep, not-finite, not-utf8, file-empty, file-missing, file-too-large,
+/// file-unreadable.
 LOOM_API Node parse(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 /// The same for a file; missing, unreadable, empty or over `max_bytes` is a diagnostic too.
 LOOM_API Node parse_file(const std::string& path, Diagnostics& diagnostics, std::size_t max_bytes = 64u << 20);

@@ -78,7 +78,8 @@ class LOOM_API InputPort {
   /// True where the wire carries nothing (no lights in the scene) or there is no wire.
   [[nodiscard]] bool absent() const;
   [[nodiscard]] std::string why_absent() const;
-  /// The descriptor of a member that the producer makes, or null.
+  /// The descriptor of a member that the producer makes; null where it makes none, where the wire carries nothing, and
+  /// for a history wire as long as its producer was not reflected yet (reflect() then runs again).
   [[nodiscard]] const TextureDesc* texture(std::string_view member) const;
   [[nodiscard]] int attribute(std::string_view name, int fallback) const;
   [[nodiscard]] std::string attribute(std::string_view name, std::string_view fallback) const;
@@ -112,7 +113,8 @@ class LOOM_API OutputPort {
   std::size_t index_;
 };
 
-/// The declaration of one pass in one graph. Made by the compiler, filled by Pass::reflect().
+/// The declaration of one pass in one graph. Made by the compiler, filled by Pass::reflect(), which declares every port
+/// whatever its inputs carry: an output with nothing to carry is declared and made absent().
 class LOOM_API Ports {
  public:
   using Upstream = std::map<std::string, BundleInfo, std::less<>>;
