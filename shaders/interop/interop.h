@@ -11,7 +11,8 @@
 #define LOOM_INTEROP_BEGIN namespace loom::interop { using glm::ivec2; using glm::ivec4; using glm::mat4; using glm::uvec4; using glm::vec2; using glm::vec4;
 #define LOOM_INTEROP_END }
 #else
-#define LOOM_STRUCT_SIZE(type, bytes)
+// GLSL 4.5 has no empty declaration: something without effect has to stand before the semicolon.
+#define LOOM_STRUCT_SIZE(type, bytes) precision highp float
 #define LOOM_INTEROP_BEGIN
 #define LOOM_INTEROP_END
 #endif

@@ -19,7 +19,7 @@ struct Scene;
 
 namespace loom {
 
-/// Scene buffers that shaders reach by these block names (see shaders/lib/scene.glsl):
+/// Scene buffers that shaders reach by these block names (shaders/lib/<block>.glsl):
 /// scene_lights, scene_emitters, scene_bvh_nodes, scene_bvh_triangles, scene_draws, scene_materials.
 class LOOM_API SceneView {
  public:
