@@ -7,14 +7,16 @@
 
 namespace loom::gpu {
 
-/// Owns a headless context and keeps it current on the calling thread. Throws Error that says what was tried (device
-/// platform, then surfaceless) and which package brings a software driver.
+/// Owns a headless context, current on the calling thread from its creation on. There may be several. Throws Error that
+/// says what was tried (device platform, then surfaceless) and which package brings a software driver.
 class LOOM_API Context {
  public:
   static Context headless();
   ~Context();
   Context(Context&&) noexcept;
   Context& operator=(Context&&) noexcept;
+  /// Makes it current again where another context took its place on this thread.
+  void make_current() const;
 
  private:
   struct State;

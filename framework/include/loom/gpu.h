@@ -42,6 +42,7 @@ class LOOM_API Texture {
   Texture() = default;
   GlName name_ = 0;
   bool owned_ = true;
+  void* context_ = nullptr;  ///< it was made in, the only one where its name may be deleted
   TextureDesc desc_;
 };
 
@@ -67,6 +68,7 @@ class LOOM_API Buffer {
  private:
   GlName name_ = 0;
   std::size_t bytes_ = 0;
+  void* context_ = nullptr;  ///< it was made in, the only one where its name may be deleted
 };
 
 using Define = std::pair<std::string, std::string>;
