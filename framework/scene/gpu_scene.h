@@ -8,6 +8,7 @@
 #include "loom/export.h"
 #include "loom/scene_view.h"
 #include "scene/scene.h"
+#include "scene/world.h"
 
 namespace loom::scene {
 
@@ -20,7 +21,11 @@ class LOOM_API GpuScene : public SceneView {
   virtual void update() = 0;
 };
 
-/// The camera block for an image of `size`, its projection shifted by `jitter` pixels (±.5).
+/// The camera block for an image of `size`, its samples shifted by `jitter` pixels (±.5; right and up). `box` is the
+/// world box of the scene: it gives the near plane where the camera has none, and the far plane of an orthographic one.
+LOOM_API interop::Camera make_camera(const Camera& camera, const Box& box, glm::ivec2 size,
+                                     glm::dvec2 jitter = glm::dvec2(0));
+/// The same with world_box(scene), which visits every vertex.
 LOOM_API interop::Camera make_camera(const Camera& camera, const Scene& scene, glm::ivec2 size,
                                      glm::dvec2 jitter = glm::dvec2(0));
 
