@@ -18,16 +18,16 @@ bool is_data_dir(const fs::path& dir) {
   return fs::is_directory(dir / "configs", ignored) && fs::is_directory(dir / "shaders", ignored);
 }
 
-fs::path own_library() {
+}  // namespace
+
+std::string library_dir() {
   static const char anchor = 0;
   Dl_info info{};
-  if (dladdr(&anchor, &info) == 0 || info.dli_fname == nullptr) return {};
   std::error_code failed;
-  fs::path path = fs::canonical(info.dli_fname, failed);
-  return failed ? fs::path() : path;
+  if (dladdr(&anchor, &info) == 0 || info.dli_fname == nullptr) return {};
+  const fs::path path = fs::canonical(info.dli_fname, failed);
+  return failed ? std::string() : path.parent_path().string();
 }
-
-}  // namespace
 
 std::string data_dir() {
   std::string tried;
@@ -36,24 +36,18 @@ std::string data_dir() {
     throw Error("LOOM_DATA_DIR is " + std::string(named) +
                 ", which has no configs/ and shaders/: unset it or name a data folder");
   }
-  const fs::path library = own_library();
-  for (fs::path dir = library.parent_path(); !dir.empty(); dir = dir.parent_path()) {
+  for (fs::path dir = library_dir(); !dir.empty(); dir = dir.parent_path()) {
     const fs::path candidate = dir / "share" / "loom";
-    if (is_data_dir(candidate)) return candidate.string();
+    if (is_data_dir(candidate)) return fs::canonical(candidate).string();
     // lib/<triplet>/libloom.so is the deepest layout that an installation has.
     tried += (tried.empty() ? "" : ", ") + candidate.string();
     if (dir == dir.parent_path() || dir.filename() == "lib") {
       const fs::path above = dir.parent_path() / "share" / "loom";
-      if (is_data_dir(above)) return above.string();
+      if (is_data_dir(above)) return fs::canonical(above).string();
       tried += ", " + above.string();
       break;
     }
   }
-#ifdef LOOM_SOURCE_DIR
-  // A library that still lies in its build tree uses the sources; an installed one must not.
-  const fs::path relative = library.lexically_relative(LOOM_BINARY_DIR);
-  if (!relative.empty() && *relative.begin() != "..") return LOOM_SOURCE_DIR;
-#endif
   throw Error("Lightloom's data folder was not found (tried " + tried +
               "): set LOOM_DATA_DIR to the folder that holds configs/ and shaders/");
 }

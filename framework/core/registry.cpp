@@ -48,6 +48,7 @@ Registry& Registry::operator=(Registry&& other) noexcept {
 }
 
 void Registry::add_pass(PassType type) {
+  if (type.plugin.empty()) type.plugin = current_plugin_;
   const auto at = position(passes_, type.name);
   if (at != passes_.end() && at->name == type.name)
     refuse("duplicate-type",

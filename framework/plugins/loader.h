@@ -20,7 +20,8 @@ struct LoadedPlugin {
 
 /// Loads every *.so of the search path into `registry`. A plugin that is refused (codes `plugin-load`, `plugin-symbol`,
 /// `plugin-abi`, `plugin-build`, `plugin-throws`, `duplicate-type`, `bundle-conflict`) is a diagnostic by name; the
-/// others still load.
+/// others still load. Folders in order, files by name; a file reached twice is loaded once. A folder that was asked for
+/// and cannot be read is a `plugin-dir`.
 LOOM_API std::vector<LoadedPlugin> load_plugins(const SearchPath& search, Registry& registry, Diagnostics& diagnostics);
 
 /// Where shaders are: LOOM_SHADER_PATH (colon-separated), `shaders/` beside each plugin folder, the installation's own.

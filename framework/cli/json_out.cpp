@@ -1,0 +1,48 @@
+#include "cli/json_out.h"
+
+#include <cstdio>
+
+namespace loom::cli {
+namespace {
+
+const char* name_of(Severity severity) {
+  switch (severity) {
+    case Severity::note:
+      return "note";
+    case Severity::warning:
+      return "warning";
+    case Severity::error:
+      break;
+  }
+  return "error";
+}
+
+}  // namespace
+
+Json versioned() { return {{"version", 1}}; }
+
+Json to_json(const Diagnostics& diagnostics) {
+  Json list = Json::array();
+  for (const Diagnostic& d : diagnostics.all()) {
+    list.push_back({{"severity", name_of(d.severity)},
+                    {"code", d.code},
+                    {"message", d.message},
+                    {"file", d.where.file},
+                    {"line", d.where.line},
+                    {"column", d.where.column},
+                    {"pointer", d.where.pointer},
+                    {"hint", d.hint}});
+  }
+  return list;
+}
+
+std::string text_of(const Json& document) {
+  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void print(const Json& document) {
+  const std::string text = text_of(document);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+}  // namespace loom::cli
