@@ -1,5 +1,5 @@
 // loom passes: every pass type there is, with its ports and parameters.
-#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -88,6 +88,12 @@ const char* name_of(Cost cost) {
   return "graph";
 }
 
+/// A bound of the parameter; whole numbers stay whole.
+Json bound_json(const ParamDecl& param, double bound) {
+  if (param.kind == ParamKind::integer) return static_cast<std::int64_t>(bound);
+  return bound;
+}
+
 Json value_json(const ParamValue& value) {
   return std::visit(
       [](const auto& v) -> Json {
@@ -120,8 +126,8 @@ Json type_json(const PassType& type) {
   for (const ParamDecl& param : description.params.all()) {
     Json entry = {{"name", param.name}, {"kind", name_of(param.kind)}, {"default", value_json(param.default_value)}};
     if (has_range(param)) {
-      entry["min"] = param.min;
-      entry["max"] = param.max;
+      entry["min"] = bound_json(param, param.min);
+      entry["max"] = bound_json(param, param.max);
     }
     if (param.kind == ParamKind::choice) entry["choices"] = param.choices;
     entry["unit"] = param.unit;
@@ -145,10 +151,11 @@ void print_type(const PassType& type) {
   }
   for (const ParamDecl& param : description.params.all()) {
     std::string line = value_json(param.default_value).dump();
-    if (has_range(param)) line += "  [" + Json(param.min).dump() + ", " + Json(param.max).dump() + "]";
+    if (has_range(param))
+      line += "  [" + bound_json(param, param.min).dump() + ", " + bound_json(param, param.max).dump() + "]";
     if (!param.unit.empty()) line += " " + param.unit;
     if (param.kind == ParamKind::choice) line += "  {" + joined(param.choices) + "}";
-    std::printf("  %-19s %-28s %s\n", param.name.c_str(), line.c_str(), param.doc.c_str());
+    std::printf("  set  %-14s %-26s %s\n", param.name.c_str(), line.c_str(), param.doc.c_str());
   }
 }
 

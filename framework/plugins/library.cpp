@@ -22,17 +22,17 @@ std::string bound(const char* text) { return text == nullptr ? "(none)" : text; 
 bool compatible(const std::string& path, const Version& theirs, Diagnostics& diagnostics) {
   const Version ours = own_version();
   if (theirs.abi != ours.abi) {
-    diagnostics.error("plugin-abi",
-                      path + ": made for plugin ABI " + std::to_string(theirs.abi) + ", this Lightloom has ABI " +
-                          std::to_string(ours.abi),
-                      {.file = path}, rebuild_hint);
+    diagnostics.error(
+        "plugin-abi",
+        "made for plugin ABI " + std::to_string(theirs.abi) + ", this Lightloom has ABI " + std::to_string(ours.abi),
+        {.file = path}, rebuild_hint);
     return false;
   }
   if (theirs.build_tag != ours.build_tag) {
-    diagnostics.error("plugin-build",
-                      path + ": built as " + theirs.build_tag + ", this Lightloom as " + ours.build_tag +
-                          "; C++ objects cannot be shared",
-                      {.file = path}, rebuild_hint);
+    diagnostics.error(
+        "plugin-build",
+        "built as " + theirs.build_tag + ", this Lightloom as " + ours.build_tag + "; C++ objects cannot be shared",
+        {.file = path}, rebuild_hint);
     return false;
   }
   return true;
@@ -65,7 +65,7 @@ std::optional<Library> open_library(const std::string& path, Diagnostics& diagno
   });
   if (!handle) {
     diagnostics.error("plugin-load",
-                      path + ": the dynamic linker says: " + dl_error() +
+                      "the dynamic linker says: " + dl_error() +
                           " (plugin: " + (stamped ? to_string(*stamped) : std::string("version unknown")) +
                           "; this Lightloom: " + to_string(own_version()) + ")",
                       {.file = path}, "link what it needs, or rebuild it with loom_add_pass()");
@@ -74,19 +74,19 @@ std::optional<Library> open_library(const std::string& path, Diagnostics& diagno
   using Entry = const LoomPlugin* (*)();
   const auto entry = reinterpret_cast<Entry>(dlsym(handle.get(), "loom_plugin"));
   if (entry == nullptr) {
-    diagnostics.error("plugin-symbol", path + ": has no loom_plugin(): " + dl_error(), {.file = path},
+    diagnostics.error("plugin-symbol", "has no loom_plugin(): " + dl_error(), {.file = path},
                       "a plugin is made by the macro LOOM_PLUGIN; other libraries do not belong in this folder");
     return std::nullopt;
   }
   const LoomPlugin* plugin = entry();
   if (plugin == nullptr) {
-    diagnostics.error("plugin-symbol", path + ": loom_plugin() returned nothing", {.file = path}, rebuild_hint);
+    diagnostics.error("plugin-symbol", "loom_plugin() returned nothing", {.file = path}, rebuild_hint);
     return std::nullopt;
   }
   // Only `abi` and `struct_bytes` lie at the same place in every version: check them before reading further.
   if (plugin->abi == plugin_abi && plugin->struct_bytes != sizeof(LoomPlugin)) {
     diagnostics.error("plugin-abi",
-                      path + ": its LoomPlugin struct has " + std::to_string(plugin->struct_bytes) +
+                      "its LoomPlugin struct has " + std::to_string(plugin->struct_bytes) +
                           " bytes, this Lightloom's has " + std::to_string(sizeof(LoomPlugin)) + " (both say ABI " +
                           std::to_string(plugin_abi) + ")",
                       {.file = path}, rebuild_hint);
@@ -97,8 +97,7 @@ std::optional<Library> open_library(const std::string& path, Diagnostics& diagno
     return std::nullopt;
   }
   if (plugin->name == nullptr || plugin->add_to == nullptr) {
-    diagnostics.error("plugin-symbol", path + ": its LoomPlugin struct lacks a name or add_to", {.file = path},
-                      rebuild_hint);
+    diagnostics.error("plugin-symbol", "its LoomPlugin struct lacks a name or add_to", {.file = path}, rebuild_hint);
     return std::nullopt;
   }
   return Library{.handle = std::move(handle), .plugin = plugin};

@@ -47,7 +47,7 @@ std::vector<fs::path> libraries_in(const Place& place, Diagnostics& diagnostics)
   fs::directory_iterator entries(place.dir, error);
   if (error) {
     if (!place.asked_by.empty()) {
-      diagnostics.error("plugin-dir", place.dir + ": " + error.message(), {.file = place.dir},
+      diagnostics.error("plugin-dir", error.message(), {.file = place.dir},
                         place.asked_by + " names folders that hold plugins (*.so)");
     }
     return {};
@@ -74,17 +74,16 @@ void refuse(const std::string& path, const std::exception* exception, Diagnostic
   if (const auto* error = dynamic_cast<const Error*>(exception)) {
     for (Diagnostic diagnostic : error->diagnostics().all()) {
       if (diagnostic.code == "failed") diagnostic.code = "plugin-throws";
-      if (diagnostic.message.find(path) == std::string::npos) diagnostic.message = path + ": " + diagnostic.message;
       if (diagnostic.where.file.empty()) diagnostic.where.file = path;
       diagnostics.add(std::move(diagnostic));
     }
     return;
   }
-  diagnostics.error("plugin-throws",
-                    path + ": registering it threw " +
-                        (exception != nullptr ? std::string("an exception: ") + exception->what()
-                                              : std::string("something that is no std::exception")),
-                    {.file = path}, "nothing of this plugin is used");
+  diagnostics.error(
+      "plugin-throws",
+      "registering it threw " + (exception != nullptr ? std::string("an exception: ") + exception->what()
+                                                      : std::string("something that is no std::exception")),
+      {.file = path}, "nothing of this plugin is used");
 }
 
 bool load_one(const std::string& path, Registry& registry, Diagnostics& diagnostics, LoadedPlugin& loaded) {
@@ -120,7 +119,7 @@ std::vector<LoadedPlugin> load_plugins(const SearchPath& search, Registry& regis
       std::error_code error;
       const fs::path real = fs::canonical(file, error);
       if (error) {
-        diagnostics.error("plugin-load", file.string() + ": " + error.message(), {.file = file.string()},
+        diagnostics.error("plugin-load", error.message(), {.file = file.string()},
                           "a link that leads nowhere: remove it");
         continue;
       }
