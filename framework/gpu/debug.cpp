@@ -1,25 +1,29 @@
 #include "gpu/debug.h"
 
 #include <epoxy/gl.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <string_view>
 
+#include "core/log.h"
+
 namespace loom::gpu {
 namespace {
 
-void GLAPIENTRY on_message(GLenum /*source*/, GLenum type, GLuint id, GLenum severity, GLsizei length,
+void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
                            const GLchar* message, const void* /*user*/) {
   if (type == GL_DEBUG_TYPE_PUSH_GROUP || type == GL_DEBUG_TYPE_POP_GROUP) return;
   std::string_view text = length >= 0 ? std::string_view(message, static_cast<std::size_t>(length)) : message;
   while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) text.remove_suffix(1);
-  if (type == GL_DEBUG_TYPE_ERROR)
-    spdlog::error("OpenGL [{}]: {}", id, text);
+  // What the compiler finds ends in the Error that compiling throws, with file and line.
+  if (source == GL_DEBUG_SOURCE_SHADER_COMPILER)
+    log().trace("OpenGL compiler [{}]: {}", id, text);
+  else if (type == GL_DEBUG_TYPE_ERROR)
+    log().error("OpenGL [{}]: {}", id, text);
   else if (severity == GL_DEBUG_SEVERITY_HIGH)
-    spdlog::warn("OpenGL [{}]: {}", id, text);
+    log().warn("OpenGL [{}]: {}", id, text);
   else
-    spdlog::trace("OpenGL [{}]: {}", id, text);
+    log().trace("OpenGL [{}]: {}", id, text);
 }
 
 }  // namespace
