@@ -28,7 +28,7 @@ struct TextureRef {
   int image = -1;  ///< index into Scene::images, −1 = none
   int uv_set = 0;
   glm::mat3x2 transform{1, 0, 0, 1, 0, 0};  ///< uv' = transform · (u, v, 1); columns as glm has them
-  bool repeat_u = true, repeat_v = true;    ///< mirrored repeat is read as repeat, with a warning
+  bool repeat_u = true, repeat_v = true;    ///< false: clamp to edge. Mirrored repeat is in the image already
   bool nearest = false;
 };
 
@@ -54,10 +54,14 @@ struct Primitive {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;  ///< always filled: flat normals (unshared vertices) where the file has none
   std::vector<glm::vec2> uv0, uv1;
-  std::vector<glm::vec4> colors;    ///< linear, multiplied into base_color
-  std::vector<glm::vec4> tangents;  ///< w = ±1; made where a normal map needs them and the file has none
-  std::vector<glm::u16vec4> joints;
-  std::vector<glm::vec4> weights;
+  std::vector<glm::vec4> colors;     ///< linear, multiplied into base_color
+  std::vector<glm::vec4> tangents;   ///< w = ±1; made where a normal map needs them and the file has none
+  std::vector<glm::u16vec4> joints;  ///< into Skin::joints; empty where no skin moves it
+  std::vector<glm::vec4> weights;    ///< sum to 1
+  /// What a skin starts from, in the mesh's own space; empty where no skin moves it. pose() writes positions, normals
+  /// and tangents from these.
+  std::vector<glm::vec3> rest_positions, rest_normals;
+  std::vector<glm::vec4> rest_tangents;
   std::vector<std::uint32_t> indices;  ///< triples
   int material = 0;
 };
@@ -75,7 +79,10 @@ struct Node {
   glm::dvec3 scale{1};
   std::optional<glm::dmat4> matrix;  ///< replaces TRS where the file has one
   glm::dmat4 world{1};               ///< set by pose()
-  int mesh = -1, camera = -1, light = -1, skin = -1;
+  int mesh = -1;                     ///< index into Scene::meshes
+  int camera = -1;  ///< index into Scene::cameras: every node with a camera has one of its own, moved by pose()
+  int light = -1;   ///< index into Scene::lights: likewise; −1 once a run file has replaced the lights
+  int skin = -1;    ///< index into Scene::skins
 };
 
 struct Skin {
@@ -116,7 +123,7 @@ struct Animation {
   std::vector<Channel> channels;
 };
 
-/// A mesh at its place, after pose().
+/// A mesh at its place, after pose(). An animation may scale `world` down to a singular matrix for a while.
 struct Instance {
   int mesh = 0;
   int node = 0;
