@@ -66,7 +66,7 @@ std::vector<std::string> channels_of(const ImageLayers& image, const std::string
   const std::vector<std::string> names = layer_names(file.image);
   const std::string near = nearest_name(name, names);
   throw BadInput(Diagnostic{.code = "missing-layer",
-                            .message = file.path + " has no layer `" + std::string(name) + "`; it has " + joined(names),
+                            .message = "there is no layer `" + std::string(name) + "`, but " + joined(names),
                             .where = {.file = file.path},
                             .hint = near.empty() ? "choose one with --layer A:REF" : "did you mean `" + near + "`?"});
 }
@@ -124,7 +124,7 @@ ImageFile read_image(const std::string& path) {
   if (ending == ".exr") return {.path = path, .image = read_exr(path), .hdr = true};
   if (ending == ".png") return {.path = path, .image = read_png(path), .hdr = false};
   throw BadInput(Diagnostic{.code = "unknown-image",
-                            .message = path + ": neither .exr nor .png",
+                            .message = "neither .exr nor .png",
                             .where = {.file = path},
                             .hint = "compare reads EXR (scene-referred) and PNG (display-referred)"});
 }
@@ -163,7 +163,6 @@ LayerPair match_layers(const ImageFile& a, const ImageFile& reference, const std
     throw BadInput(Diagnostic{.code = "size-mismatch",
                               .message = "sizes differ: " + a.path + " is " + size(a.image) + ", " + reference.path +
                                          " is " + size(reference.image),
-                              .where = {.file = a.path},
                               .hint = "render at --size " + size(reference.image)});
   }
   std::string name_a(rgb), name_reference;
@@ -184,7 +183,6 @@ LayerPair match_layers(const ImageFile& a, const ImageFile& reference, const std
     throw BadInput(Diagnostic{.code = "channel-mismatch",
                               .message = "channels differ: " + a.path + " gives " + joined(pair.a.channels) + ", " +
                                          reference.path + " gives " + joined(pair.reference.channels),
-                              .where = {.file = a.path},
                               .hint = "name a single channel on both sides, for example --layer R:depth.Z"});
   }
   return pair;
