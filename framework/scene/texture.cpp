@@ -62,22 +62,26 @@ glm::vec4 sample(const Image& image, const TextureRef& ref, Encoding encoding, g
   return glm::mix(glm::mix(at(i, j), at(i + 1, j), a), glm::mix(at(i, j + 1), at(i + 1, j + 1), a), y - .5F - j);
 }
 
-glm::vec4 mean_texel(const Image& image, Encoding encoding) {
+glm::vec4 mean_texel(const Image& image, Encoding encoding, float min_alpha) {
   // Counting how often each of 256 values occurs is exact, and faster than decoding every texel.
+  const double least = std::ceil(std::clamp(static_cast<double>(min_alpha), 0., 1.) * 255);
   std::array<std::array<std::size_t, 256>, 4> counts{};
+  std::size_t texels = 0;
   for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
+    if (image.rgba[i + 3] < least) continue;
+    ++texels;
     for (std::size_t channel = 0; channel < 4; ++channel) ++counts[channel][image.rgba[i + channel]];
   }
-  const double texels = std::max(1., static_cast<double>(image.rgba.size() / 4));
+  if (texels == 0) return min_alpha > 0 ? mean_texel(image, encoding) : glm::vec4(0);
   glm::dvec4 mean(0);
   for (std::size_t channel = 0; channel < 4; ++channel) {
     const Table& table = table_of(channel == 3 ? Encoding::linear : encoding);
     for (std::size_t value = 0; value < 256; ++value) {
       mean[static_cast<glm::length_t>(channel)] +=
-          static_cast<double>(counts[channel][value]) * static_cast<double>(table[value]) / texels;
+          static_cast<double>(counts[channel][value]) * static_cast<double>(table[value]);
     }
   }
-  return {mean};
+  return {mean / static_cast<double>(texels)};
 }
 
 const Image* image_of(const Scene& scene, const TextureRef& ref) {

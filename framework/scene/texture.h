@@ -13,8 +13,8 @@ enum class Encoding { linear, srgb };  ///< of rgb; alpha is always linear
 
 /// The image at `uv` before the reference's transform; bilinear, or nearest where the reference says so.
 LOOM_API glm::vec4 sample(const Image& image, const TextureRef& ref, Encoding encoding, glm::vec2 uv);
-/// The mean over all texels, decoded.
-LOOM_API glm::vec4 mean_texel(const Image& image, Encoding encoding);
+/// The mean, decoded, over the texels whose alpha is `min_alpha` or more (over all where there are none).
+LOOM_API glm::vec4 mean_texel(const Image& image, Encoding encoding, float min_alpha = 0);
 /// The image that the reference names, or null where it names none or an empty one.
 LOOM_API const Image* image_of(const Scene& scene, const TextureRef& ref);
 /// The vertex's coordinates for this texture before its transform; (0, 0) where the primitive has none.

@@ -22,6 +22,12 @@ vec3 ray_direction(Camera camera, vec2 uv) {
   return normalize(camera.forward.xyz + s.x * camera.right.xyz + s.y * camera.up.xyz);
 }
 
+// Clip-space position of a world position. The eye is subtracted first: far from the origin the translation within
+// view_proj would cancel only after rounding.
+vec4 project(Camera camera, vec3 position) {
+  return camera.proj * vec4(mat3(camera.view) * (position - camera.eye.xyz), 1);
+}
+
 vec3 surface_position(Camera camera, vec2 uv, float depth) {
   return ray_origin(camera, uv) + depth * ray_direction(camera, uv);
 }

@@ -3,6 +3,8 @@
 // changed.
 #include <cstdint>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -19,8 +21,14 @@ struct Scene;
 
 namespace loom {
 
+/// The switches of shaders/lib that this scene requires: SCENE_TEXTURES, SCENE_NORMAL_MAPS, SCENE_ALPHA_MASK. Every
+/// program that draws the scene or traces rays through it is compiled with them; a pass may clear facts that its result
+/// does not depend on (normal maps for a shadow map).
+LOOM_API std::vector<Define> scene_defines(const SceneFacts& facts);
+
 /// Scene buffers that shaders reach by these block names (shaders/lib/<block>.glsl):
-/// scene_lights, scene_emitters, scene_bvh_nodes, scene_bvh_triangles, scene_draws, scene_materials.
+/// scene_lights, scene_emitters, scene_bvh_nodes and scene_bvh_triangles (trace.glsl), scene_draws and scene_triangles
+/// (material.glsl), scene_materials.
 class LOOM_API SceneView {
  public:
   virtual ~SceneView() = default;

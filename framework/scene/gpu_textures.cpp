@@ -1,0 +1,97 @@
+#include "scene/gpu_textures.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <string>
+
+#include "gpu/current.h"
+#include "gpu/debug.h"
+#include "loom/diagnostic.h"
+
+namespace loom::scene {
+namespace {
+
+/// Samples along the footprint's long axis. A floor seen at grazing angles down to 1/8 stays sharp across; more costs
+/// time in a software rasteriser for little.
+constexpr float anisotropy = 8;
+
+GlName make_sampler(bool repeat_u, bool repeat_v, bool nearest) {
+  GlName sampler = 0;
+  glCreateSamplers(1, &sampler);
+  glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, repeat_u ? GL_REPEAT : GL_CLAMP_TO_EDGE);
+  glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, repeat_v ? GL_REPEAT : GL_CLAMP_TO_EDGE);
+  glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, nearest ? GL_NEAREST : GL_LINEAR);
+  glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, nearest ? GL_NEAREST_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
+  // Core since 4.6; before, the extension of the same token.
+  const bool available = epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") ||
+                         epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic");
+  if (available && !nearest) {
+    float largest = 1;
+    glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &largest);
+    glSamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY, std::min(anisotropy, largest));
+  }
+  return sampler;
+}
+
+}  // namespace
+
+MaterialTextures::MaterialTextures(const Scene& scene) {
+  for (int i = 0; i < 8; ++i) samplers_.push_back(make_sampler((i & 1) != 0, (i & 2) != 0, (i & 4) != 0));
+  glCreateTextures(GL_TEXTURE_2D, 1, &white_);
+  glTextureStorage2D(white_, 1, GL_RGBA8, 1, 1);
+  const std::array<std::uint8_t, 4> white{255, 255, 255, 255};
+  glClearTexImage(white_, 0, GL_RGBA, GL_UNSIGNED_BYTE, white.data());
+  for (const Material& material : scene.materials) {
+    for (const MaterialSampler& sampler : material_samplers) {
+      const TextureRef& ref = material.*sampler.ref;
+      const Image* image = image_of(scene, ref);
+      if (image != nullptr && !textures_.contains({ref.image, sampler.encoding})) {
+        upload(*image, ref.image, sampler.encoding);
+      }
+    }
+  }
+}
+
+MaterialTextures::~MaterialTextures() {
+  if (gpu::current_context() == nullptr) return;  // the context is gone, and its objects with it
+  for (const auto& [key, name] : textures_) glDeleteTextures(1, &name);
+  glDeleteTextures(1, &white_);
+  glDeleteSamplers(static_cast<GLsizei>(samplers_.size()), samplers_.data());
+}
+
+void MaterialTextures::upload(const Image& image, int index, Encoding encoding) {
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (image.width > largest || image.height > largest) {
+    throw Error("image '" + image.name + "' is " + std::to_string(image.width) + "x" + std::to_string(image.height) +
+                "; this device takes " + std::to_string(largest) + " texels a side");
+  }
+  GlName name = 0;
+  glCreateTextures(GL_TEXTURE_2D, 1, &name);
+  textures_[{index, encoding}] = name;  // owned from here on
+  const int levels = std::bit_width(static_cast<unsigned int>(std::max(image.width, image.height)));
+  glTextureStorage2D(name, levels, encoding == Encoding::srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, image.width, image.height);
+  // An embedding program may have left other settings; rows here are packed and of four-byte texels.
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glTextureSubImage2D(name, 0, 0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
+  glGenerateTextureMipmap(name);
+  gpu::label(GL_TEXTURE, name, image.name);
+  bytes_ += image.rgba.size() / 3 * 4;
+}
+
+std::size_t MaterialTextures::sampler_index(const TextureRef& ref) {
+  return (ref.repeat_u ? 1U : 0U) | (ref.repeat_v ? 2U : 0U) | (ref.nearest ? 4U : 0U);
+}
+
+MaterialTextures::Binding MaterialTextures::binding(const TextureRef& ref, Encoding encoding) const {
+  const auto found = textures_.find({ref.image, encoding});
+  return {.texture = found == textures_.end() ? white_ : found->second, .sampler = samplers_[sampler_index(ref)]};
+}
+
+}  // namespace loom::scene

@@ -1,0 +1,110 @@
+// The nearest surface at each pixel, by one rasterised pass into as many targets as are read.
+//   depth             distance along the camera ray, metres; 0 where nothing is seen
+//   normal            unit shading normal (normal map included), world, on the viewer's side of the triangle
+//   geometric_normal  unit normal of the triangle, world, towards the viewer
+//   albedo            ρ = baseColor·(1−metallic), textures and vertex colours included; a = 1 where something is seen
+//   emission          exitant radiance towards the viewer, W/(m² sr)
+// Nothing is culled; masked materials are cut by their alpha; the back of a single-sided face does not emit. The bundle
+// struct is the camera, its sub-pixel shift included.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "interop/camera.h"
+#include "loom/facts.h"
+#include "loom/formats.h"
+#include "loom/frame.h"
+#include "loom/gpu.h"
+#include "loom/pass.h"
+#include "loom/plugin.h"
+#include "loom/ports.h"
+#include "loom/scene_view.h"
+
+namespace {
+
+using namespace loom;  // NOLINT(google-build-using-namespace): a plugin is all about these names
+
+struct Member {
+  std::string_view path;
+  std::string_view name;
+  Format format;
+  const char* define;
+};
+// In the order of the fragment shader's locations.
+// Half floats: a unit vector's component is off by 2⁻¹² at most (a slope of .014°), an albedo by 2⁻¹² of itself, also
+// where it is dark. Depth rebuilds positions and emission may be 1e6 W/(m² sr): both keep all 24 bits.
+constexpr std::array<Member, 5> members{{
+    {"surface.depth", "depth", Format::r32f, "DEPTH"},
+    {"surface.normal", "normal", Format::rgba16f, "NORMAL"},
+    {"surface.geometric_normal", "geometric_normal", Format::rgba16f, "GEOMETRIC_NORMAL"},
+    {"surface.albedo", "albedo", Format::rgba16f, "ALBEDO"},
+    {"surface.emission", "emission", Format::rgba32f, "EMISSION"},
+}};
+
+// FNV-1a.
+std::uint64_t hash_bytes(std::uint64_t hash, const void* data, std::size_t bytes) {
+  const auto* p = static_cast<const unsigned char*>(data);
+  for (std::size_t i = 0; i < bytes; ++i) hash = (hash ^ p[i]) * 0x100000001b3U;
+  return hash;
+}
+
+class GBuffer final : public Pass {
+ public:
+  void reflect(Ports& ports, const SceneFacts& facts) override {
+    const auto size = ports.frame_size();
+    const bool emission = facts.emissive_triangles > 0 || !ports.rule("no-emission");
+    auto surface = ports.out("surface", "Surface");
+    for (const Member& member : members) {
+      if (member.name == "emission" && !emission) continue;
+      surface.texture(member.name, TextureDesc::image(size, member.format), Access::color);
+    }
+    ports.scratch("depth", TextureDesc::image(size, Format::depth32f), Access::depth);
+    if (!emission) ports.decide("no-emission", "no emission is written", "no surface emits");
+
+    facts_ = facts;
+    if (!facts.normal_maps) {
+      facts_.normal_maps = !ports.rule("no-normal-map");
+      if (!facts_.normal_maps) ports.decide("no-normal-map", "no tangents are read", "no material has a normal map");
+    }
+    if (!facts.alpha_mask) {
+      facts_.alpha_mask = !ports.rule("no-alpha");
+      if (!facts_.alpha_mask) ports.decide("no-alpha", "nothing is discarded", "no material is masked");
+    }
+    if (!facts.moves) ports.keep_outputs();
+  }
+
+  void prepare(Device& device, const Bindings& bindings) override {
+    ProgramDesc desc{.files = {"gbuffer/gbuffer.vert", "gbuffer/gbuffer.frag"}, .defines = scene_defines(facts_)};
+    for (const Member& member : members) {
+      if (bindings.has(member.path)) desc.defines.emplace_back(member.define, "1");
+    }
+    program_ = device.program(desc);
+  }
+
+  void execute(Frame& frame, const Bindings& bindings) override {
+    frame.begin_raster(bindings);
+    frame.bind(*program_, bindings);
+    frame.scene().draw(*program_);
+    bindings.publish("surface", frame.camera());
+  }
+
+  [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {
+    const std::uint64_t version = frame.scene().geometry_version();
+    return hash_bytes(hash_bytes(0xcbf29ce484222325U, &frame.camera(), sizeof(interop::Camera)), &version,
+                      sizeof(version));
+  }
+
+ private:
+  SceneFacts facts_;
+  std::shared_ptr<const Program> program_;
+};
+
+}  // namespace
+
+LOOM_PLUGIN("gbuffer", registry) {
+  registry.add<GBuffer>("GBuffer", "The nearest surface at each pixel: depth, normals, albedo, emission");
+}

@@ -1,0 +1,49 @@
+// The nearest surface at each pixel, into as many targets as are read (DEPTH, NORMAL, … are defined for those).
+#include "interop/frame.h"
+#include "lib/camera.glsl"
+#include "lib/material.glsl"
+
+layout(std140) uniform frame_data { FrameData frame; };
+
+#ifdef DEPTH
+layout(location = 0) out float out_depth;
+#endif
+#ifdef NORMAL
+layout(location = 1) out vec4 out_normal;
+#endif
+#ifdef GEOMETRIC_NORMAL
+layout(location = 2) out vec4 out_geometric_normal;
+#endif
+#ifdef ALBEDO
+layout(location = 3) out vec4 out_albedo;
+#endif
+#ifdef EMISSION
+layout(location = 4) out vec4 out_emission;
+#endif
+
+// Distance along the ray through the pixel's sample.
+float ray_depth() {
+  vec2 uv = gl_FragCoord.xy * frame.camera.size.zw;
+  return dot(vertex.position - ray_origin(frame.camera, uv), ray_direction(frame.camera, uv));
+}
+
+void main() {
+#ifdef DEPTH
+  out_depth = ray_depth();
+#endif
+#ifdef NORMAL
+  out_normal = vec4(surface_normal(), 0);
+#endif
+#ifdef GEOMETRIC_NORMAL
+  out_geometric_normal = vec4(surface_geometric_normal(), 0);
+#endif
+#ifdef ALBEDO
+  out_albedo = vec4(surface_albedo(), 1);
+#endif
+#ifdef EMISSION
+  out_emission = vec4(surface_emission(), 1);
+#endif
+#ifdef SCENE_ALPHA_MASK
+  if (!surface_visible()) discard;
+#endif
+}
