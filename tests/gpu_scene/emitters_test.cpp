@@ -75,9 +75,10 @@ TEST(Emitters, TextureIsAveragedOverTheTriangle) {
   const auto emitters = build_emitters(scene);
   ASSERT_EQ(emitters.size(), 2U);
   // The lower right triangle holds 3/4 of the white half's area.
-  EXPECT_NEAR(emitters[0].radiance.r, 7.5, .2);
-  EXPECT_NEAR(emitters[1].radiance.r, 2.5, .2);
-  EXPECT_NEAR(emitters[0].radiance.b, 22.5, .6);
+  // 1/(2n) of the step of 10, n = 4·√2·8 rounded up.
+  EXPECT_NEAR(emitters[0].radiance.r, 7.5, .11);
+  EXPECT_NEAR(emitters[1].radiance.r, 2.5, .11);
+  EXPECT_NEAR(emitters[0].radiance.b, 22.5, .33);
   EXPECT_NEAR(emitters[0].radiance.r + emitters[1].radiance.r, 10, 1e-4);
 }
 
@@ -91,8 +92,10 @@ TEST(Emitters, MaskedPartsDoNotEmit) {
   place(scene, quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, gone));
   const auto emitters = build_emitters(scene);
   ASSERT_EQ(emitters.size(), 2U);  // what is cut away wholly is no emitter
-  EXPECT_NEAR(emitters[0].radiance.r, 1, .01);
-  EXPECT_NEAR(emitters[1].radiance.r, 3, .01);
+  // The mask's edge: 1/(2n) of the step of 4, n = 16.
+  EXPECT_NEAR(emitters[0].radiance.r, 1, .125);
+  EXPECT_NEAR(emitters[1].radiance.r, 3, .125);
+  EXPECT_NEAR(emitters[0].radiance.r + emitters[1].radiance.r, 4, 1e-5);
 }
 
 }  // namespace
