@@ -11,6 +11,7 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "scene/bounds.h"
 #include "scene/load.h"
 
 namespace loom::scene {
@@ -104,29 +105,6 @@ void count_lights(const Scene& scene, SceneFacts& facts) {
   }
 }
 
-struct Box {
-  glm::dvec3 low{std::numeric_limits<double>::max()};
-  glm::dvec3 high{std::numeric_limits<double>::lowest()};
-  void add(const glm::dvec3& point) {
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-  }
-  [[nodiscard]] bool empty() const { return low.x > high.x; }
-};
-
-std::vector<Box> instance_boxes(const Scene& scene) {
-  std::vector<Box> boxes(scene.instances.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t i) {
-    const Instance& instance = scene.instances[i];
-    for (const Primitive& primitive : scene.meshes[static_cast<std::size_t>(instance.mesh)].primitives) {
-      for (const glm::vec3& position : primitive.positions) {
-        boxes[i].add(glm::dvec3(instance.world * glm::dvec4(glm::dvec3(position), 1)));
-      }
-    }
-  });
-  return boxes;
-}
-
 void measure(const Scene& scene, SceneFacts& facts) {
   const std::vector<Box> boxes = instance_boxes(scene);
   Box all;
@@ -143,7 +121,7 @@ void measure(const Scene& scene, SceneFacts& facts) {
   double thinnest = std::numeric_limits<double>::max();
   for (const Box& box : boxes) {
     if (box.empty()) continue;
-    const glm::dvec3 extent = box.high - box.low;
+    const glm::dvec3 extent = box.extent();
     for (int axis = 0; axis < 3; ++axis) {
       if (extent[axis] > nothing) thinnest = std::min(thinnest, extent[axis]);
     }

@@ -23,13 +23,16 @@ LOOM_API Scene load_gltf(const std::string& path, Diagnostics& diagnostics);
 struct Setup {
   Scene scene;
   Camera camera;
+  int camera_index = -1;  ///< into Scene::cameras where it is one of the file's: pose() may move that one
   std::optional<glm::ivec2> size;
   std::string pipeline;                                  ///< path, empty where not given
   std::vector<std::pair<std::string, std::string>> set;  ///< "pass.param", value as JSON text
 };
 
 /// `path`: .gltf, .glb, a run file, or empty for the built-in Cornell box. `camera`: empty, a name in the file, or a
-/// JSON object as in a run file. Adds the headlamp where nothing at all emits, and says so.
+/// JSON object as in a run file. Adds the headlamp where nothing at all emits, and says so (`headlamp`): a point light
+/// at the camera, of π·d² W/sr, where d is the distance from the camera to the centre of the scene's box (at least a
+/// quarter of its diagonal). A surface there that faces it gets E = π W/m², so its radiance is its albedo.
 LOOM_API Setup load_setup(const std::string& path, const std::string& camera, Diagnostics& diagnostics);
 
 /// Moves everything to where it is at `time_s` of the first animation (bind pose where there is none): node matrices,

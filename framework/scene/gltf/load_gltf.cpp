@@ -1,4 +1,6 @@
 // Puts the parts of a glTF file together.
+#include "scene/gltf/load_gltf.h"
+
 #include <algorithm>
 #include <array>
 #include <new>
@@ -221,6 +223,27 @@ class Loader {
       }
     }
     if (needed) scene_.materials.push_back(neutral_material());
+    warn_of_black_metals();
+  }
+
+  /// metallicFactor is 1 where a file leaves it out, and a metal has no diffuse albedo.
+  void warn_of_black_metals() {
+    std::set<int> black;
+    for (const Mesh& mesh : scene_.meshes) {
+      for (const Primitive& primitive : mesh.primitives) {
+        const Material& m = scene_.materials[static_cast<std::size_t>(primitive.material)];
+        if (m.metallic == 1 && m.metallic_roughness_texture.image < 0 && m.emissive == glm::vec3(0)) {
+          black.insert(primitive.material);
+        }
+      }
+    }
+    for (const int i : black) {
+      const std::string& name = scene_.materials[static_cast<std::size_t>(i)].name;
+      document_.warn(
+          "gltf-metal",
+          "the material \"" + name + "\" is a metal through and through: it reflects no diffuse light and looks black",
+          "/materials/" + std::to_string(i), "give it a metallicFactor below 1 (the default is 1)");
+    }
   }
 
   void report() {
@@ -228,21 +251,22 @@ class Loader {
       if (count > 0) document_.warn(code, std::to_string(count) + what);
     };
     warn(report_.points_and_lines, "gltf-points-lines",
-         " primitives of points or lines are left out: only triangles are drawn");
-    warn(report_.without_positions, "gltf-no-positions", " primitives without positions are left out");
+         " primitive(s) of points or lines are left out: only triangles are drawn");
+    warn(report_.without_positions, "gltf-no-positions", " primitive(s) without positions are left out");
     warn(report_.without_material, "gltf-no-material",
-         " primitives have no material and are drawn as a white, diffuse surface (glTF's default is a metal, which has "
+         " primitive(s) have no material and are drawn as a white, diffuse surface (glTF's default is a metal, which "
+         "has "
          "no diffuse light)");
     warn(report_.without_texcoords, "gltf-texcoord",
-         " textured primitives lack the texture coordinates that their material reads: the corner texel is used");
+         " textured primitive(s) lack the texture coordinates that their material reads: the corner texel is used");
     warn(report_.extra_influences, "gltf-skin",
-         " primitives have more than four joints a vertex: the first four are used");
-    warn(report_.repairs.non_finite, "gltf-non-finite", " triangles with a vertex that is not finite are left out");
+         " primitive(s) have more than four joints a vertex: the first four are used");
+    warn(report_.repairs.non_finite, "gltf-non-finite", " triangle(s) with a vertex that is not finite are left out");
     const auto note = [&](std::size_t count, const char* code, const std::string& what) {
       if (count > 0) document_.note(code, std::to_string(count) + what);
     };
-    note(report_.repairs.zero_area, "gltf-zero-area", " triangles without area are left out");
-    note(report_.repairs.bad_normals, "gltf-normals", " normals of no length were replaced by those of the faces");
+    note(report_.repairs.zero_area, "gltf-zero-area", " triangle(s) without area are left out");
+    note(report_.repairs.bad_normals, "gltf-normals", " normal(s) of no length were replaced by those of the faces");
     if (scene_.instances.empty())
       document_.warn("gltf-empty", "there is nothing to draw: no triangle is part of the scene");
   }
@@ -258,16 +282,21 @@ class Loader {
 };
 
 }  // namespace
-}  // namespace gltf
 
-Scene load_gltf(const std::string& path, Diagnostics& diagnostics) {
+Scene load(const std::string& path, Diagnostics& diagnostics) {
   try {
-    Scene scene = gltf::Loader(path, diagnostics).load();
-    scene.content_hash = content_hash(scene);
-    return scene;
+    return Loader(path, diagnostics).load();
   } catch (const std::bad_alloc&) {
     throw Error(path + ": the memory does not suffice to load it");
   }
+}
+
+}  // namespace gltf
+
+Scene load_gltf(const std::string& path, Diagnostics& diagnostics) {
+  Scene scene = gltf::load(path, diagnostics);
+  scene.content_hash = content_hash(scene);
+  return scene;
 }
 
 }  // namespace loom::scene
