@@ -65,6 +65,7 @@ enum Barrier : unsigned {
   barrier_image_access = 1u << 1,
   barrier_storage = 1u << 2,
   barrier_framebuffer = 1u << 3,
+  barrier_update = 1u << 4,  ///< glClear*SubData, glClearTexImage, transfers
 };
 
 struct BoundMember {
@@ -93,7 +94,7 @@ struct CompiledPass {
   Params params;
   Ports ports{{1, 1}, {}};
   std::vector<BoundPort> bound;  ///< inputs, then outputs; then "scratch" and "persistent" where declared
-  unsigned barriers = 0;         ///< Barrier bits to issue before it runs
+  unsigned barriers = 0;         ///< Barrier bits to issue before it runs, and also where it keeps its outputs instead
   bool runs = true;
   SourceLocation where;
 };
