@@ -140,7 +140,7 @@ struct CompiledGraph {
   std::vector<std::string> files;  ///< the pipeline and what it extends, for hot reload
   std::size_t bytes = 0;           ///< textures and buffers as planned
   std::size_t bytes_without_aliasing = 0;
-  [[nodiscard]] const CompiledPass* pass(std::string_view name) const;
+  [[nodiscard]] LOOM_API const CompiledPass* pass(std::string_view name) const;
 };
 
 /// `graph` is set exactly where `diagnostics` has no errors.
