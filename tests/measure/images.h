@@ -1,6 +1,7 @@
 #pragma once
 // Small images made in the test, and the layer view of them.
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
