@@ -17,7 +17,8 @@ LOOM_STRUCT_SIZE(Light, 64);
 struct LightFace {
   mat4 view_proj;  // reversed depth
   vec4 origin;     // xyz: light position (directional: centre of the near plane); w: index of the light
-  vec4 right;      // as Camera: half-width of the image plane at distance 1 (directional: in metres)
+  vec4 right;      // xyz: as Camera, half-width of the image plane at distance 1 (directional: in metres);
+                   // w: near plane, metres: hardware depth = w/z (directional: range, hardware depth = 1 − z/w)
   vec4 up;
   vec4 forward;    // xyz: unit; w: LIGHT_*
 };

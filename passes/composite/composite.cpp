@@ -1,0 +1,51 @@
+// Composite: the radiance towards the viewer,
+//
+//   L = L_e + ρ/π · (E_direct + E_indirect),
+//
+// the rendering equation for a Lambertian surface (Kajiya 1986), whose BRDF is ρ/π. Where no surface is seen, L is the
+// radiance of the sky. An input that is not wired, or carries nothing, counts as zero.
+#include <memory>
+
+#include "loom/plugin.h"
+
+namespace {
+
+using namespace loom;
+
+class Composite final : public Pass {
+ public:
+  void reflect(Ports& ports, const SceneFacts&) override {
+    const auto surface = ports.in("surface", "Surface").reads("depth").reads("albedo").reads("emission");
+    const auto direct = ports.in("direct", "Irradiance").optional().reads("irradiance");
+    const auto indirect = ports.in("indirect", "Irradiance").optional().reads("irradiance");
+    auto radiance = ports.out("radiance", "Image");
+    if (surface.absent()) return radiance.absent(surface.why_absent());
+    lit_ = {surface.texture("emission") != nullptr, !direct.absent(), !indirect.absent()};
+    radiance.texture("image", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    radiance.attribute("quantity", "radiance");
+  }
+
+  void prepare(Device& device, const Bindings&) override {
+    const auto flag = [](bool on) { return on ? "1" : "0"; };
+    program_ = device.program(
+        {.files = {"composite/composite.comp"},
+         .defines = {
+             {"EMISSION", flag(lit_.emission)}, {"DIRECT", flag(lit_.direct)}, {"INDIRECT", flag(lit_.indirect)}}});
+  }
+
+  void execute(Frame& frame, const Bindings& bindings) override {
+    frame.dispatch(*program_, bindings, {frame.size(), 1});
+  }
+
+ private:
+  struct Lit {
+    bool emission = false, direct = false, indirect = false;
+  } lit_;
+  std::shared_ptr<const Program> program_;
+};
+
+}  // namespace
+
+LOOM_PLUGIN("composite", registry) {
+  registry.add<Composite>("Composite", "Radiance from albedo, emission and irradiance; sky where nothing is seen");
+}

@@ -1,0 +1,38 @@
+// L = L_e + ρ/π · (E_direct + E_indirect); the sky where depth is 0.
+#include "interop/frame.h"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(std140) uniform frame_data { FrameData frame; };
+uniform sampler2D surface_depth;
+uniform sampler2D surface_albedo;
+#if EMISSION
+uniform sampler2D surface_emission;
+#endif
+#if DIRECT
+uniform sampler2D direct_irradiance;
+#endif
+#if INDIRECT
+uniform sampler2D indirect_irradiance;
+#endif
+layout(rgba32f) writeonly uniform image2D radiance_image;
+
+const float pi = 3.14159265358979;
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, imageSize(radiance_image)))) return;
+  vec3 radiance = frame.sky.rgb;
+  if (texelFetch(surface_depth, pixel, 0).r > 0) {
+    vec3 irradiance = vec3(0);
+#if DIRECT
+    irradiance += texelFetch(direct_irradiance, pixel, 0).rgb;
+#endif
+#if INDIRECT
+    irradiance += texelFetch(indirect_irradiance, pixel, 0).rgb;
+#endif
+    radiance = texelFetch(surface_albedo, pixel, 0).rgb * irradiance / pi;
+#if EMISSION
+    radiance += texelFetch(surface_emission, pixel, 0).rgb;
+#endif
+  }
+  imageStore(radiance_image, pixel, vec4(radiance, 1));
+}

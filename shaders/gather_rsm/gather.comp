@@ -1,0 +1,153 @@
+// E(x) = Σ (Φ_j/π) ⟨n_j, x−x_j⟩₊⟨n, x_j−x⟩₊ / (r²(r² + m²A/π))
+#define METHOD_importance 0
+#define METHOD_full 1
+#include "interop/frame.h"
+#include "lib/camera.glsl"
+#include "lib/rsm.glsl"
+#include "lib/sampling.glsl"
+#include "lib/scene_lights.glsl"
+#define SCRATCH_ACCESS readonly restrict
+#include "gather_rsm/virtual_light.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(std140) uniform frame_data { FrameData frame; };
+layout(std140) uniform surface_data { Camera camera; };
+layout(std430) readonly restrict buffer lights_faces { LightFace faces[]; };
+uniform sampler2D surface_depth;
+uniform sampler2D surface_normal;
+uniform ivec3 map;  // texels, texels, faces
+uniform int samples;
+uniform float radius;
+uniform float min_distance;
+#if IRRADIANCE
+layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
+#endif
+#if CLAMPED
+layout(rgba32f) writeonly uniform image2D clamped_irradiance;
+#endif
+#if MISSED
+layout(rgba32f) writeonly uniform image2D missed_irradiance;
+#endif
+
+int texel_index(ivec2 texel, int layer) { return (layer * map.y + texel.y) * map.x + texel.x; }
+
+// What one virtual light gives, bounded, and what the bound took away.
+void add_light(int index, vec3 x, vec3 n, float weight, inout vec3 given, inout vec3 taken) {
+  vec3 d = virtual_lights[index].position.xyz - x;
+  float square = max(dot(d, d), 1e-30);
+  float cosines = max(0., dot(n, d)) * max(0., -dot(virtual_lights[index].normal.xyz, d)) / square;
+  if (cosines <= 0.) return;
+  vec3 e = virtual_lights[index].intensity.rgb * (weight * cosines);
+  float softened = square + min_distance * min_distance * virtual_lights[index].position.w;
+  given += e / softened;
+#if CLAMPED
+  taken += e * (1. / square - 1. / softened);
+#endif
+}
+
+#if METHOD == METHOD_importance
+// Where the light sees x: on a single face its plane coordinates, on six the unit direction.
+struct Centre {
+  bool planar;
+  vec2 q;
+  vec3 direction;
+  float reach;  // planar: R in plane coordinates (a map is 2 wide); six faces: Θ, radians
+};
+
+Centre centre_of(Light light, vec3 x) {
+  Centre centre;
+  centre.planar = int(light.intensity.w) == 1;
+  centre.direction = normalize_or(x - light.position.xyz, vec3(0, -1, 0));
+  centre.reach = centre.planar ? 2. * radius : min(.5 * pi * radius, pi);
+  centre.q = vec2(0);
+  if (centre.planar) {
+    LightFace face = faces[int(light.direction.w)];
+    vec3 projected = face_project(face, x);
+    // What the map does not see is taken at the nearest point of its border; behind the light that is where the
+    // direction leaves it.
+    if (!is_directional(face) && projected.z <= 0.) projected.xy *= -1e6;
+    centre.q = clamp(projected.xy, vec2(-1), vec2(1));
+  }
+  return centre;
+}
+
+// The face of a six-faced light (+X −X +Y −Y +Z −Z) that looks along w.
+int cube_face(vec3 w) {
+  vec3 m = abs(w);
+  int axis = m.x >= m.y && m.x >= m.z ? 0 : m.y >= m.z ? 1 : 2;
+  return 2 * axis + (w[axis] < 0. ? 1 : 0);
+}
+
+// One texel around the centre; −1 where the map ends.
+int choose_texel(Light light, Centre centre, vec2 u, out float weight) {
+  int layer = int(light.direction.w);
+  float r = centre.reach * u.x, angle = 2. * pi * u.y;
+  vec2 q;
+  if (centre.planar) {
+    q = centre.q + r * vec2(cos(angle), sin(angle));
+    // 2πR²ξ₁/(N·a) in plane coordinates, where a texel's area is 4/N².
+    weight = 2. * pi * centre.reach * r * .25 * float(map.x) * float(map.y) / float(samples);
+  } else {
+    vec3 w = orthonormal_basis(centre.direction) * vec3(sin(r) * vec2(cos(angle), sin(angle)), cos(r));
+    layer += cube_face(w);
+    vec3 projected = face_project(faces[layer], faces[layer].origin.xyz + w);
+    q = clamp(projected.xy, vec2(-1), vec2(.9999999));
+    weight = 2. * pi * centre.reach * sin(r) / float(samples);
+  }
+  ivec2 texel = ivec2(floor(.5 * (q + 1.) * vec2(map.xy)));
+  if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, map.xy))) return -1;
+  int index = texel_index(texel, layer);
+  if (!centre.planar) weight *= virtual_lights[index].normal.w;
+  return index;
+}
+
+bool within(Centre centre, LightFace face, vec2 q) {
+  if (centre.planar) return distance(q, centre.q) <= centre.reach;
+  return dot(normalize(face_ray(face, q)), centre.direction) >= cos(centre.reach);
+}
+#endif
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, textureSize(surface_depth, 0)))) return;
+  float depth = texelFetch(surface_depth, pixel, 0).r;
+  vec3 given = vec3(0), taken = vec3(0), missed = vec3(0), ignored = vec3(0);
+  if (depth > 0.) {
+    vec3 x = surface_position(camera, pixel_uv(camera, pixel), depth);
+    vec3 n = normalize(texelFetch(surface_normal, pixel, 0).xyz);
+#if METHOD == METHOD_full
+    int count = map.x * map.y * map.z;
+    for (int i = 0; i < count; ++i) add_light(i, x, n, 1., given, taken);
+#else
+    uint seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x72736du);
+    for (int i = 0; i < lights.length(); ++i) {
+      Centre centre = centre_of(lights[i], x);
+      uint light_seed = hash(uvec4(seed, uint(i), 0u, 0u)).x;
+      for (int k = 0; k < samples; ++k) {
+        float weight;
+        vec2 u = low_discrepancy(frame.random.z * uint(samples) + uint(k), light_seed);
+        int index = choose_texel(lights[i], centre, u, weight);
+        if (index >= 0) add_light(index, x, n, weight, given, taken);
+      }
+#if MISSED
+      for (int f = 0; f < int(lights[i].intensity.w); ++f) {
+        int layer = int(lights[i].direction.w) + f;
+        for (int t = 0; t < map.x * map.y; ++t) {
+          ivec2 texel = ivec2(t % map.x, t / map.x);
+          if (within(centre, faces[layer], texel_plane(texel, map.x))) continue;
+          add_light(texel_index(texel, layer), x, n, 1., missed, ignored);
+        }
+      }
+#endif
+    }
+#endif
+  }
+#if IRRADIANCE
+  imageStore(irradiance_irradiance, pixel, vec4(given, 1));
+#endif
+#if CLAMPED
+  imageStore(clamped_irradiance, pixel, vec4(taken, 1));
+#endif
+#if MISSED
+  imageStore(missed_irradiance, pixel, vec4(missed, 1));
+#endif
+}
