@@ -57,16 +57,28 @@ Buffer::Buffer(std::span<const std::byte> content, std::string_view label)
   }
 }
 
+Buffer Buffer::borrow(GlName name, std::size_t bytes) {
+  Buffer buffer;
+  buffer.name_ = name;
+  buffer.owned_ = false;
+  buffer.bytes_ = bytes;
+  return buffer;
+}
+
 Buffer::~Buffer() {
   // Where the context is gone, so is the buffer; in another context the name means something else.
-  if (name_ && gpu::current_context() == context_) glDeleteBuffers(1, &name_);
+  if (name_ && owned_ && gpu::current_context() == context_) glDeleteBuffers(1, &name_);
 }
 
 Buffer::Buffer(Buffer&& other) noexcept
-    : name_(std::exchange(other.name_, 0)), bytes_(std::exchange(other.bytes_, 0)), context_(other.context_) {}
+    : name_(std::exchange(other.name_, 0)),
+      owned_(other.owned_),
+      bytes_(std::exchange(other.bytes_, 0)),
+      context_(other.context_) {}
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
   std::swap(name_, other.name_);
+  std::swap(owned_, other.owned_);
   std::swap(bytes_, other.bytes_);
   std::swap(context_, other.context_);
   return *this;
@@ -88,7 +100,9 @@ void Buffer::read(std::span<std::byte> content, std::size_t offset) const {
 
 void Buffer::clear() const {
   const unsigned int zero = 0;
-  glClearNamedBufferData(name_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
+  const std::size_t whole = owned_ ? store_bytes(bytes_) : (bytes_ + 3) / 4 * 4;
+  if (whole == 0) return;
+  glClearNamedBufferSubData(name_, GL_R32UI, 0, static_cast<GLsizeiptr>(whole), GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
 }
 
 }  // namespace loom

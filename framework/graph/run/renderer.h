@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -31,8 +33,19 @@ struct RendererOptions {
   bool poison = false;        ///< fill transients with NaN before each frame: undeclared reads show (tests)
   bool fingerprints = true;   ///< keep outputs whose fingerprint did not change
   bool check_finite = false;  ///< count non-finite and negative texels of every output after every pass
+  /// render() returns when the GPU is done, so that FrameTimes::wall_median_ms is what a frame takes. Without, frames
+  /// overlap and the wall time is that of submitting one: what a program with its own frame loop wants.
+  bool wait = true;
 };
 
+/// What a change of a parameter came to.
+enum class ParamChange {
+  applied,        ///< in effect from the next frame on
+  needs_compile,  ///< cost `graph`, or the pass would declare other ports: compile with it as an override
+  refused,        ///< see the diagnostics; nothing changed
+};
+
+/// Only outputs that had any are reported.
 struct FiniteReport {
   std::string pass, member;
   std::uint64_t frame = 0, non_finite = 0, negative = 0;
@@ -60,6 +73,14 @@ class LOOM_API Renderer {
   [[nodiscard]] virtual ReadImage read(std::string_view name) const = 0;
   /// Hands an external texture to `inputs.<name>` of the pipeline, as `member`; it must fit the declaration.
   virtual void set_input(std::string_view name, std::string_view member, GlName texture, const TextureDesc& desc) = 0;
+  /// The std140 struct of an external input.
+  virtual void set_input_data(std::string_view name, std::span<const std::byte> data) = 0;
+  /// `--set pass.param=text` on the running graph. A `shader` parameter prepares the pass again; throws Error where
+  /// that fails, with the old value back in place.
+  virtual ParamChange set_param(std::string_view pass, std::string_view param, std::string_view text,
+                                Diagnostics& diagnostics) = 0;
+  /// Prepares every pass again: after Device programs were invalidated (hot reload).
+  virtual void prepare_again() = 0;
 
   [[nodiscard]] virtual const CompiledGraph& graph() const = 0;
   [[nodiscard]] virtual std::vector<PassTimes> pass_times() const = 0;

@@ -50,6 +50,8 @@ class LOOM_API Buffer {
  public:
   explicit Buffer(std::size_t bytes, std::string_view label = {});
   Buffer(std::span<const std::byte> content, std::string_view label);
+  /// The first `bytes` bytes of a buffer that somebody else owns (storage that buffers of different sizes share).
+  static Buffer borrow(GlName name, std::size_t bytes);
   ~Buffer();
   Buffer(Buffer&& other) noexcept;
   Buffer& operator=(Buffer&& other) noexcept;
@@ -66,14 +68,19 @@ class LOOM_API Buffer {
   }
 
  private:
+  Buffer() = default;
   GlName name_ = 0;
+  bool owned_ = true;
   std::size_t bytes_ = 0;
   void* context_ = nullptr;  ///< it was made in, the only one where its name may be deleted
 };
 
 using Define = std::pair<std::string, std::string>;
 
-/// Shader stages by file, below the shader roots (`gather_rsm/gather.comp`); the suffix names the stage.
+/// Shader stages by file, below the shader roots (`gather_rsm/gather.comp`); the suffix names the stage. A fragment
+/// stage alone gets the vertex stage of a full-screen triangle (Frame::fullscreen). `#version 450 core` and the defines
+/// are put at the top; `#include "…"` is looked up beside the including file, then below the roots. `layout(binding = …)`
+/// is ignored: units and binding points are given out at link time, and ProgramInterface says them.
 struct ProgramDesc {
   std::vector<std::string> files;
   std::vector<Define> defines;

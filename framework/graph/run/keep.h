@@ -1,0 +1,35 @@
+#pragma once
+// Which passes may keep the outputs of an earlier frame.
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "graph/compile/compile.h"
+#include "loom/frame.h"
+
+namespace loom::graph {
+
+/// A pass keeps its outputs where it declared keep_outputs(), its fingerprint() and parameters are what they were when
+/// it last ran, and every pass upstream kept its own. What comes from outside or from the last frame counts as changed.
+class KeepTracker {
+ public:
+  explicit KeepTracker(const CompiledGraph& graph);
+  void begin_frame();
+  /// Asked in order of execution, each pass that runs once.
+  bool may_keep(int pass, const Frame& frame);
+  /// The next frame runs everything.
+  void forget();
+
+ private:
+  struct State {
+    std::optional<std::uint64_t> fingerprint;
+    std::vector<ParamValue> params;
+    bool changed = true;  ///< in this frame
+  };
+  [[nodiscard]] bool upstream_changed(int pass) const;
+  const CompiledGraph& graph_;
+  std::vector<State> states_;               ///< by pass
+  std::vector<std::vector<int>> upstream_;  ///< by pass: who it reads from; none: something that always changes
+};
+
+}  // namespace loom::graph

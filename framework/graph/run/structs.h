@@ -1,0 +1,36 @@
+#pragma once
+// The std140 structs of the bundles: what producers publish, as bytes and as uniform buffers.
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "graph/compile/compile.h"
+#include "loom/gpu.h"
+
+namespace loom::graph {
+
+class BundleStructs {
+ public:
+  explicit BundleStructs(const CompiledGraph& graph);
+
+  /// `what` names the port for errors. Throws Error where the size is not the bundle type's.
+  void publish(int bundle, std::span<const std::byte> data, const std::string& what);
+  [[nodiscard]] std::span<const std::byte> data(int bundle, std::size_t bytes, const std::string& what) const;
+  /// Null where the bundle type has no struct.
+  [[nodiscard]] const Buffer* buffer(int bundle) const;
+  /// `x.y@prev` takes what `x.y` held.
+  void swap_history();
+  void reset();
+
+ private:
+  struct Entry {
+    std::string type;
+    std::vector<std::byte> bytes;
+    std::vector<Buffer> buffer;  ///< one, or none
+    int history_of = none;
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace loom::graph
