@@ -22,7 +22,7 @@ struct BundleMember {
 };
 
 /// The first member is the primary one: what is shown or written when a bundle is asked for without naming a member.
-struct BundleType {
+struct LOOM_API BundleType {
   std::string name;
   int version = 1;
   std::vector<BundleMember> members;
