@@ -13,7 +13,7 @@
 namespace loom::measure {
 
 /// Planes of width × height floats, row 0 at the top. It only views: the ImageLayers it came from must outlive it.
-struct Layer {
+struct LOOM_API Layer {
   int width = 0, height = 0;
   std::string name;                            ///< "RGB" for the bare R G B, else what stands before the dot
   std::vector<std::string> channels;           ///< full EXR names, in the order of `planes`
@@ -26,7 +26,7 @@ struct Layer {
 };
 
 /// An image file, with what its kind says about it.
-struct ImageFile {
+struct LOOM_API ImageFile {
   std::string path;
   ImageLayers image;
   bool hdr = false;  ///< EXR: scene-referred and unbounded; PNG: display-referred, in [0,1]
