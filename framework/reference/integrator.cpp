@@ -1,0 +1,245 @@
+// The estimators. With E the irradiance at the visible surface x₀ and L its radiance,
+//   L = L_e + ρ₀/π·(E_direct + E_emitter + E_bounce),
+//   E_direct  = Σ I V cos/r²                              punctual lights: one a path, by unblocked irradiance
+//   E_emitter = ∫ L_e(x₁) V cos dω                        light samples and cosine samples, power heuristic (Veach
+//   1995) E_bounce  = ∫ ρ₁/π·E(x₁) cos dω = ⟨ρ₁ E(x₁)⟩          cosine samples: density cos/π, so the weight is ρ₁
+//   alone
+#include "reference/integrator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+namespace loom::reference {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+/// Roulette starts behind this vertex; the first reflections carry most of the light.
+constexpr int first_roulette = 1;
+/// Highest chance to go on. Second moments stay finite while ρ² < this, and a path in a white box still ends.
+constexpr float most_survival = 1 - 0x1p-10F;
+
+// Sampler sets: one for the pixel, three for each vertex.
+constexpr std::uint32_t pixel_set = 0;
+enum class Set : std::uint32_t { emitter, choice, direction };
+std::uint32_t set_of(int vertex, Set set) {
+  return 1 + 3 * static_cast<std::uint32_t>(vertex) + static_cast<std::uint32_t>(set);
+}
+
+/// Power heuristic with exponent 2, for a sample of density `own` that the other way finds with density `other`.
+float heuristic(float own, float other) {
+  const float ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+
+std::size_t at(int lane) { return static_cast<std::size_t>(lane); }
+
+}  // namespace
+
+Integrator::Integrator(const EmbreeScene& geometry, const Lights& lights, const Options& options)
+    : geometry_(geometry), lights_(lights), options_(options) {}
+
+void Integrator::trace(const interop::Camera& camera, glm::ivec2 pixel, std::uint32_t first, int count) {
+  start(camera, pixel, first, count);
+  for (int vertex = 0; any_alive(); ++vertex) {
+    if (lights_.has_punctual()) add_punctual(vertex);
+    if (lights_.has_emitters() && options_.strategy != Strategy::bsdf) add_emitters(vertex);
+    const bool last = vertex == options_.bounces;
+    if (last && !lights_.has_emitters()) break;
+    scatter(vertex);
+    follow(vertex, last);
+  }
+  for (int i = 0; i < count; ++i) {
+    Sample& s = samples_[at(i)];
+    s.radiance += s.albedo / pi * (s.direct + s.emitter + s.bounce);
+  }
+}
+
+void Integrator::start(const interop::Camera& camera, glm::ivec2 pixel, std::uint32_t first, int count) {
+  const bool orthographic = camera.eye.w != 0;
+  const glm::vec2 size(camera.size.x, camera.size.y);
+  const auto number = static_cast<std::uint64_t>(pixel.y) * static_cast<std::uint64_t>(camera.size.x) +
+                      static_cast<std::uint64_t>(pixel.x);
+  for (int i = 0; i < lanes; ++i) {
+    alive_[at(i)] = i < count ? -1 : 0;
+    if (i >= count) continue;
+    const std::uint32_t s = first + static_cast<std::uint32_t>(i);
+    Path& path = paths_[at(i)];
+    path = {};
+    path.sampler = PathSampler(options_.seed, number, s % replicates, s / replicates);
+    const glm::vec2 inside = path.sampler.pair(pixel_set);
+    const float a = 2 * (static_cast<float>(pixel.x) + inside.x) / size.x - 1;
+    const float b = 1 - 2 * (static_cast<float>(pixel.y) + inside.y) / size.y;
+    const glm::vec3 plane = glm::vec3(camera.right) * a + glm::vec3(camera.up) * b;
+    const glm::vec3 eye = glm::vec3(camera.eye) + (orthographic ? plane : glm::vec3(0));
+    path.direction = glm::normalize(glm::vec3(camera.forward) + (orthographic ? glm::vec3(0) : plane));
+    path.at.position = eye;
+    samples_[at(i)] = {};
+  }
+  intersect(true);
+  for (int i = 0; i < count; ++i) {
+    Path& path = paths_[at(i)];
+    Sample& s = samples_[at(i)];
+    if (rays16_.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
+      s.radiance = lights_.sky();
+      alive_[at(i)] = 0;
+      continue;
+    }
+    path.at = geometry_.surface(hit(i), path.direction);
+    s.hit = true;
+    s.depth = rays16_.ray.tfar[i];
+    s.albedo = path.at.albedo;
+    s.normal = path.at.normal;
+    s.radiance = path.at.emission;
+  }
+}
+
+void Integrator::add_punctual(int vertex) {
+  for (int i = 0; i < lanes; ++i) {
+    shadow_[at(i)] = 0;
+    if (alive_[at(i)] == 0) continue;
+    const Path& path = paths_[at(i)];
+    const LightSample light = lights_.sample_punctual(path.at, path.sampler.pair(set_of(vertex, Set::choice)).x);
+    if (!(light.density > 0)) continue;
+    pending_[at(i)] = path.weight * light.value;
+    put_shadow_ray(i, light);
+  }
+  occlude();
+  for (int i = 0; i < lanes; ++i) {
+    if (shadow_[at(i)] == 0 || shadow16_.tfar[i] < 0) continue;
+    (vertex == 0 ? samples_[at(i)].direct : samples_[at(i)].bounce) += pending_[at(i)];
+  }
+}
+
+void Integrator::add_emitters(int vertex) {
+  for (int i = 0; i < lanes; ++i) {
+    shadow_[at(i)] = 0;
+    if (alive_[at(i)] == 0) continue;
+    const Path& path = paths_[at(i)];
+    const LightSample light = lights_.sample_emitter(path.at, path.sampler.pair(set_of(vertex, Set::emitter)));
+    if (!(light.density > 0)) continue;
+    const float cosine = glm::dot(path.at.normal, light.direction);
+    if (cosine <= 0 || glm::dot(path.at.geometric_normal, light.direction) <= 0) continue;
+    const float share = options_.strategy == Strategy::mis ? heuristic(light.density, cosine / pi) : 1;
+    pending_[at(i)] = path.weight * light.value * (cosine / light.density * share);
+    put_shadow_ray(i, light);
+  }
+  occlude();
+  for (int i = 0; i < lanes; ++i) {
+    if (shadow_[at(i)] != 0 && shadow16_.tfar[i] >= 0) emitted(i, vertex) += pending_[at(i)];
+  }
+}
+
+void Integrator::scatter(int vertex) {
+  for (int i = 0; i < lanes; ++i) {
+    if (alive_[at(i)] == 0) continue;
+    Path& path = paths_[at(i)];
+    path.direction = sample_cosine(path.at.normal, path.sampler.pair(set_of(vertex, Set::direction)));
+    const float cosine = glm::dot(path.at.normal, path.direction);
+    path.density = cosine / pi;
+    // Below the triangle's plane the surface is in its own way.
+    if (cosine <= 0 || glm::dot(path.at.geometric_normal, path.direction) <= 0) alive_[at(i)] = 0;
+  }
+}
+
+void Integrator::follow(int vertex, bool last) {
+  if (!any_alive()) return;
+  intersect(false);
+  for (int i = 0; i < lanes; ++i) {
+    if (alive_[at(i)] == 0) continue;
+    Path& path = paths_[at(i)];
+    const SurfacePoint from = path.at;
+    const bool sky = rays16_.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID;
+    if (!sky) path.at = geometry_.surface(hit(i), path.direction);
+    const glm::vec3 radiance = sky ? lights_.sky() : path.at.emission;
+    if (options_.strategy != Strategy::light && radiance != glm::vec3(0)) {
+      float share = 1;
+      if (options_.strategy == Strategy::mis) {
+        share = heuristic(path.density, sky ? lights_.sky_density(from, path.direction)
+                                            : lights_.density(from.position, path.at, path.direction));
+      }
+      emitted(i, vertex) += path.weight * radiance * (pi * share);
+    }
+    path.weight *= path.at.albedo;
+    if (sky || last || !roulette(i, vertex)) alive_[at(i)] = 0;
+  }
+}
+
+bool Integrator::roulette(int lane, int vertex) {
+  Path& path = paths_[at(lane)];
+  const float strongest = std::max(path.weight.x, std::max(path.weight.y, path.weight.z));
+  if (!(strongest > 0)) return false;
+  if (!options_.roulette || vertex < first_roulette) return true;
+  const float survival = std::min(strongest, most_survival);
+  if (path.sampler.pair(set_of(vertex, Set::choice)).y >= survival) return false;
+  path.weight /= survival;
+  return true;
+}
+
+glm::vec3& Integrator::emitted(int lane, int vertex) {
+  Sample& s = samples_[at(lane)];
+  return vertex == 0 ? s.emitter : s.bounce;
+}
+
+void Integrator::intersect(bool coherent) {
+  for (int i = 0; i < lanes; ++i) {
+    if (alive_[at(i)] == 0) continue;
+    ++rays_;
+    const Path& path = paths_[at(i)];
+    const glm::vec3 origin = path.at.position + path.at.geometric_normal * path.at.offset;
+    RTCRay16& ray = rays16_.ray;
+    ray.org_x[i] = origin.x;
+    ray.org_y[i] = origin.y;
+    ray.org_z[i] = origin.z;
+    ray.dir_x[i] = path.direction.x;
+    ray.dir_y[i] = path.direction.y;
+    ray.dir_z[i] = path.direction.z;
+    ray.tnear[i] = 0;
+    ray.tfar[i] = std::numeric_limits<float>::infinity();
+    ray.time[i] = 0;
+    ray.mask[i] = ~0U;
+    ray.flags[i] = 0;
+    rays16_.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    rays16_.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  geometry_.intersect(alive_.data(), rays16_, coherent);
+}
+
+void Integrator::put_shadow_ray(int lane, const LightSample& light) {
+  ++rays_;
+  const SurfacePoint& from = paths_[at(lane)].at;
+  const glm::vec3 origin = from.position + from.geometric_normal * from.offset;
+  shadow_[at(lane)] = -1;
+  shadow16_.org_x[lane] = origin.x;
+  shadow16_.org_y[lane] = origin.y;
+  shadow16_.org_z[lane] = origin.z;
+  shadow16_.dir_x[lane] = light.direction.x;
+  shadow16_.dir_y[lane] = light.direction.y;
+  shadow16_.dir_z[lane] = light.direction.z;
+  shadow16_.tnear[lane] = 0;
+  shadow16_.tfar[lane] = light.distance;
+  shadow16_.time[lane] = 0;
+  shadow16_.mask[lane] = ~0U;
+  shadow16_.flags[lane] = 0;
+}
+
+void Integrator::occlude() {
+  if (std::any_of(shadow_.begin(), shadow_.end(), [](int v) { return v != 0; })) {
+    geometry_.occluded(shadow_.data(), shadow16_);
+  }
+}
+
+bool Integrator::any_alive() const {
+  return std::any_of(alive_.begin(), alive_.end(), [](int v) { return v != 0; });
+}
+
+TrianglePoint Integrator::hit(int lane) const {
+  return {.geometry = rays16_.hit.geomID[lane],
+          .triangle = rays16_.hit.primID[lane],
+          .uv = {rays16_.hit.u[lane], rays16_.hit.v[lane]}};
+}
+
+}  // namespace loom::reference
