@@ -1,4 +1,5 @@
 // The accumulation on disk: a header, the seeds, the pixels as they lie in memory, a checksum. Little-endian.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -50,10 +51,12 @@ std::uint64_t checksum(std::span<const std::byte> bytes) {
 }
 
 [[noreturn]] void damaged(const std::string& path, const std::string& why) {
-  throw BadInput(Diagnostic{.code = "film-damaged",
-                            .message = "the accumulation '" + path + "' cannot be used: " + why,
-                            .where = {.file = path},
-                            .hint = "delete it to start again, or choose another -o"});
+  Diagnostic diagnostic;
+  diagnostic.code = "film-damaged";
+  diagnostic.message = "the accumulation '" + path + "' cannot be used: " + why;
+  diagnostic.where.file = path;
+  diagnostic.hint = "delete it to start again, or choose another -o";
+  throw BadInput(diagnostic);
 }
 
 }  // namespace
