@@ -11,7 +11,8 @@
 #include <glm/matrix.hpp>
 
 #include "loom/diagnostic.h"
-#include "reference/texture.h"
+#include "scene/texture.h"
+#include "scene/world.h"
 
 namespace loom::reference {
 namespace {
@@ -28,27 +29,31 @@ class MaterialPoint {
       : geometry_(geometry), corner_(&geometry.primitive->indices[3U * at.triangle]), uv_(at.uv) {}
 
   /// One where there is no such texture.
-  [[nodiscard]] glm::vec4 texture(const scene::TextureRef& ref, Encoding encoding) const {
-    if (ref.image < 0) return glm::vec4(1);
-    const auto& set = ref.uv_set == 1 ? geometry_.primitive->uv1 : geometry_.primitive->uv0;
-    const glm::vec2 uv = set.empty() ? glm::vec2(0) : interpolate(set, corner_, uv_);
-    return sample(geometry_.scene->images[static_cast<std::size_t>(ref.image)], ref, encoding, uv);
+  [[nodiscard]] glm::vec4 texture(const scene::TextureRef& ref, scene::Encoding encoding) const {
+    const scene::Image* image = scene::image_of(*geometry_.scene, ref);
+    if (image == nullptr) return glm::vec4(1);
+    const scene::Primitive& primitive = *geometry_.primitive;
+    const glm::vec2 uv = (1 - uv_.x - uv_.y) * scene::uv_of(primitive, ref, corner_[0]) +
+                         uv_.x * scene::uv_of(primitive, ref, corner_[1]) +
+                         uv_.y * scene::uv_of(primitive, ref, corner_[2]);
+    return scene::sample(*image, ref, encoding, uv);
   }
   [[nodiscard]] glm::vec4 base_color() const {
     glm::vec4 color = geometry_.material->base_color;
     if (!geometry_.textured) return color;
-    color *= texture(geometry_.material->base_color_texture, Encoding::srgb);
+    color *= texture(geometry_.material->base_color_texture, scene::Encoding::srgb);
     if (!geometry_.primitive->colors.empty()) color *= interpolate(geometry_.primitive->colors, corner_, uv_);
     return color;
   }
   [[nodiscard]] glm::vec3 albedo() const {
     float metallic = geometry_.material->metallic;
-    if (geometry_.textured) metallic *= texture(geometry_.material->metallic_roughness_texture, Encoding::linear).b;
+    if (geometry_.textured)
+      metallic *= texture(geometry_.material->metallic_roughness_texture, scene::Encoding::linear).b;
     return glm::vec3(base_color()) * (1 - metallic);
   }
   [[nodiscard]] glm::vec3 emission() const {
     const glm::vec3 factor = geometry_.material->emissive;
-    return geometry_.textured ? factor * glm::vec3(texture(geometry_.material->emissive_texture, Encoding::srgb))
+    return geometry_.textured ? factor * glm::vec3(texture(geometry_.material->emissive_texture, scene::Encoding::srgb))
                               : factor;
   }
   [[nodiscard]] bool cut_out() const {
@@ -67,7 +72,7 @@ class MaterialPoint {
     const glm::vec3 unit_t = normalized(tangent - unit_n * glm::dot(unit_n, tangent));
     const float handedness = (tangent4.w < 0 ? -1.F : 1.F) * geometry_.orientation;
     const glm::vec3 bitangent = glm::cross(unit_n, unit_t) * handedness;
-    const glm::vec3 m = glm::vec3(texture(map, Encoding::linear)) * 2.F - 1.F;
+    const glm::vec3 m = glm::vec3(texture(map, scene::Encoding::linear)) * 2.F - 1.F;
     const float scale = geometry_.material->normal_scale;
     return unit_t * (m.x * scale) + bitangent * (m.y * scale) + unit_n * m.z;
   }

@@ -40,6 +40,9 @@ struct SurfacePoint {
   glm::vec3 emission{0};          ///< exitant radiance towards the viewer, W/(m² sr)
   float offset = 0;               ///< metres; how far off the surface rays start
   int emitter = -1;
+
+  /// Where rays that leave the surface start.
+  [[nodiscard]] glm::vec3 start() const { return position + geometric_normal * offset; }
 };
 
 /// Where on which triangle: Embree's barycentrics, (1−u−v)·a + u·b + v·c.

@@ -55,9 +55,15 @@ void Film::add(PixelSums& sums, const Sample& sample) {
 }
 
 std::uint32_t Film::least_count() const {
-  const auto least =
-      std::min_element(pixels_.begin(), pixels_.end(), [](const auto& a, const auto& b) { return a.count < b.count; });
-  return least == pixels_.end() ? 0 : least->count;
+  std::uint32_t least = pixels_.empty() ? 0 : pixels_.front().count;
+  for (const auto& pixel : pixels_) least = std::min(least, pixel.count);
+  return least;
+}
+
+std::uint32_t Film::most_count() const {
+  std::uint32_t most = 0;
+  for (const auto& pixel : pixels_) most = std::max(most, pixel.count);
+  return most;
 }
 
 std::uint64_t Film::non_finite() const {

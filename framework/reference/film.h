@@ -61,6 +61,8 @@ class LOOM_API Film {
   [[nodiscard]] const std::vector<std::uint64_t>& seeds() const { return seeds_; }
   /// Samples that every pixel has.
   [[nodiscard]] std::uint32_t least_count() const;
+  /// Samples that some pixel has: more than least_count() while a round is under way.
+  [[nodiscard]] std::uint32_t most_count() const;
   [[nodiscard]] std::uint64_t non_finite() const;
   /// Time spent so far, seconds; kept over interruptions.
   double seconds = 0;

@@ -159,7 +159,7 @@ void Integrator::follow(int vertex, bool last) {
       float share = 1;
       if (options_.strategy == Strategy::mis) {
         share = heuristic(path.density, sky ? lights_.sky_density(from, path.direction)
-                                            : lights_.density(from.position, path.at, path.direction));
+                                            : lights_.density(from.start(), path.at, path.direction));
       }
       emitted(i, vertex) += path.weight * radiance * (pi * share);
     }
@@ -189,7 +189,7 @@ void Integrator::intersect(bool coherent) {
     if (alive_[at(i)] == 0) continue;
     ++rays_;
     const Path& path = paths_[at(i)];
-    const glm::vec3 origin = path.at.position + path.at.geometric_normal * path.at.offset;
+    const glm::vec3 origin = path.at.start();
     RTCRay16& ray = rays16_.ray;
     ray.org_x[i] = origin.x;
     ray.org_y[i] = origin.y;
@@ -210,8 +210,7 @@ void Integrator::intersect(bool coherent) {
 
 void Integrator::put_shadow_ray(int lane, const LightSample& light) {
   ++rays_;
-  const SurfacePoint& from = paths_[at(lane)].at;
-  const glm::vec3 origin = from.position + from.geometric_normal * from.offset;
+  const glm::vec3 origin = paths_[at(lane)].at.start();
   shadow_[at(lane)] = -1;
   shadow16_.org_x[lane] = origin.x;
   shadow16_.org_y[lane] = origin.y;

@@ -122,7 +122,7 @@ glm::vec3 Lights::irradiance(const Punctual& light, const SurfacePoint& at, glm:
     direction = -light.direction;
     distance = std::numeric_limits<float>::infinity();
   } else {
-    const glm::vec3 way = light.position - at.position;
+    const glm::vec3 way = light.position - at.start();
     const float squared = glm::dot(way, way);
     if (!(squared > 0)) return glm::vec3(0);
     distance = std::sqrt(squared);
@@ -191,7 +191,7 @@ LightSample Lights::sample_emitter(const SurfacePoint& at, glm::vec2 u) const {
   const float facing = glm::dot(front, at.position - target);
   if (facing == 0 || (facing < 0 && !g.material->double_sided)) return s;
   target += front * std::copysign(EmbreeScene::offset(a, b, c), facing);
-  const glm::vec3 way = target - at.position;
+  const glm::vec3 way = target - at.start();  // a ray from elsewhere would end behind the emitter
   const float squared = glm::dot(way, way);
   s.distance = std::sqrt(squared);
   if (!(s.distance > 0)) return s;
