@@ -17,8 +17,9 @@ namespace loom::reference {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
-/// Roulette starts behind this vertex; the first reflections carry most of the light.
-constexpr int first_roulette = 1;
+/// Paths weaker than this play roulette, and go on with this weight. Measured on the Cornell box: error² × rays is least
+/// near a half (1 costs a third more, a quarter a tenth).
+constexpr float least_weight = .5F;
 /// Highest chance to go on. Second moments stay finite while ρ² < this, and a path in a white box still ends.
 constexpr float most_survival = 1 - 0x1p-10F;
 
@@ -172,8 +173,8 @@ bool Integrator::roulette(int lane, int vertex) {
   Path& path = paths_[at(lane)];
   const float strongest = std::max(path.weight.x, std::max(path.weight.y, path.weight.z));
   if (!(strongest > 0)) return false;
-  if (!options_.roulette || vertex < first_roulette) return true;
-  const float survival = std::min(strongest, most_survival);
+  if (!options_.roulette) return true;
+  const float survival = std::min(strongest / least_weight, most_survival);
   if (path.sampler.pair(set_of(vertex, Set::choice)).y >= survival) return false;
   path.weight /= survival;
   return true;
