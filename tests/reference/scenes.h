@@ -12,6 +12,9 @@
 
 namespace loom::reference::test {
 
+/// The same in every channel.
+inline glm::vec3 grey(double value) { return glm::vec3(static_cast<float>(value)); }
+
 /// Adds to a scene; every piece becomes a mesh, a material and an instance of its own.
 class SceneBuilder {
  public:
