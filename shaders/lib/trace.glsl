@@ -49,23 +49,48 @@ float enter_box(vec3 lower, vec3 upper, vec3 origin, vec3 reciprocal, float t_ma
   return enter <= leave ? enter : no_hit;
 }
 
-// Plücker form: the edge tests of two triangles that share an edge are exact negatives of each other, so that no ray
-// slips between them. True where the ray meets the triangle in (0, t_max).
-bool intersect_triangle(uint index, vec3 origin, vec3 direction, float t_max, out float t, out vec2 barycentrics) {
-  vec3 a = bvh_triangles[index].a.xyz - origin;
-  vec3 b = bvh_triangles[index].b.xyz - origin;
-  vec3 c = bvh_triangles[index].c.xyz - origin;
-  float w_a = dot(cross(b + c, c - b), direction);
-  float w_b = dot(cross(c + a, a - c), direction);
-  float w_c = dot(cross(a + b, b - a), direction);
-  float low = min(w_a, min(w_b, w_c)), high = max(w_a, max(w_b, w_c));
-  float sum = w_a + w_b + w_c;
+// The ray as the z axis of a space in which its origin is 0 and t is z: the largest component of the direction turns
+// into z, and a shear moves the others to 0. Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
+struct RaySpace {
+  vec3 origin;
+  vec3 shear;
+  int axis;
+};
+
+vec3 turn(vec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
+
+RaySpace ray_space(vec3 origin, vec3 direction) {
+  vec3 m = abs(direction);
+  int axis = m.z >= max(m.x, m.y) ? 2 : m.y >= m.x ? 1 : 0;
+  vec3 d = turn(direction, axis);
+  return RaySpace(origin, vec3(d.xy, 1) / d.z, axis);
+}
+
+// `precise` here and below: a vertex lands on the same place, and an edge gets the same sign, in each triangle that
+// shares it. Rounded products keep their order, so that the sign of their difference is right or 0, and 0 counts as
+// inside: no ray slips between two triangles.
+vec3 to_ray_space(RaySpace space, vec3 point) {
+  precise vec3 p = turn(point - space.origin, space.axis);
+  precise vec3 q = vec3(p.xy - space.shear.xy * p.z, p.z * space.shear.z);
+  return q;
+}
+
+float edge_side(vec3 p, vec3 q) {
+  precise float side = p.x * q.y - p.y * q.x;
+  return side;
+}
+
+// True where the ray meets the triangle in (0, t_max).
+bool intersect_triangle(uint index, RaySpace space, float t_max, out float t, out vec2 barycentrics) {
+  vec3 a = to_ray_space(space, bvh_triangles[index].a.xyz);
+  vec3 b = to_ray_space(space, bvh_triangles[index].b.xyz);
+  vec3 c = to_ray_space(space, bvh_triangles[index].c.xyz);
+  vec3 weight = vec3(edge_side(b, c), edge_side(c, a), edge_side(a, b));
+  float low = min(weight.x, min(weight.y, weight.z)), high = max(weight.x, max(weight.y, weight.z));
+  float sum = weight.x + weight.y + weight.z;
   if ((low < 0. && high > 0.) || sum == 0.) return false;
-  barycentrics = vec2(w_b, w_c) / sum;
-  vec3 n = cross(b - a, c - a);
-  float facing = dot(n, direction);
-  if (facing == 0.) return false;
-  t = dot(n, a) / facing;
+  barycentrics = weight.yz / sum;
+  t = dot(weight, vec3(a.z, b.z, c.z)) / sum;
   return t > 0. && t < t_max;
 }
 
@@ -95,6 +120,7 @@ bool opaque_at(uint index, vec2 barycentrics) {
 Hit traverse(vec3 origin, vec3 direction, float t_max, bool any) {
   Hit hit = Hit(no_hit, 0u, vec2(0));
   vec3 reciprocal = reciprocal_direction(direction);
+  RaySpace space = ray_space(origin, direction);
   uint stack[BVH_STACK];
   int top = 0;
   vec4 root = bvh_nodes[0].upper;
@@ -106,7 +132,7 @@ Hit traverse(vec3 origin, vec3 direction, float t_max, bool any) {
     for (uint i = first; i < first + count; ++i) {
       float t;
       vec2 barycentrics;
-      if (intersect_triangle(i, origin, direction, t_max, t, barycentrics) && opaque_at(i, barycentrics)) {
+      if (intersect_triangle(i, space, t_max, t, barycentrics) && opaque_at(i, barycentrics)) {
         hit = Hit(t, i, barycentrics);
         if (any) return hit;
         t_max = t;
