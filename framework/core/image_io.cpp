@@ -25,6 +25,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/srgb.h"
 #include "loom/diagnostic.h"
 
 namespace loom {
@@ -80,11 +81,6 @@ void append(void* context, void* data, int size) {
 std::uint8_t to_byte(float value) {
   // NaN becomes 0: an 8-bit picture has nothing else for it.
   return static_cast<std::uint8_t>(std::lround(255.f * (value > 0.f ? std::min(value, 1.f) : 0.f)));
-}
-
-/// IEC 61966-2-1.
-float srgb_to_linear(float encoded) {
-  return encoded <= .04045f ? encoded / 12.92f : std::pow((encoded + .055f) / 1.055f, 2.4f);
 }
 
 std::vector<std::byte> read_bytes(const std::string& path) {

@@ -1,6 +1,8 @@
 #include "plugins/library.h"
 
 #include <dlfcn.h>
+#include <elf.h>
+#include <link.h>
 
 #include <cstring>
 #include <fstream>
@@ -38,16 +40,29 @@ bool compatible(const std::string& path, const Version& theirs, Diagnostics& dia
   return true;
 }
 
-/// The last error of dlopen() or dlsym().
-std::string dl_error() { return bound(dlerror()); }
-
-}  // namespace
-
-Version own_version() { return {.abi = plugin_abi, .build_tag = LOOM_BUILD_TAG}; }
-
-std::optional<Version> stamped_version(const std::string& path) {
+std::string read_bytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// False for a library that was cut short: dlopen() maps it all the same, and the process dies at the first page that
+/// is not there. What is no library at all is left to dlopen() to name.
+bool is_whole(const std::string& bytes) {
+  ElfW(Ehdr) header;
+  if (bytes.size() < sizeof(header) || bytes.compare(0, SELFMAG, ELFMAG) != 0) return true;
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  for (std::size_t i = 0; i < header.e_phnum; ++i) {
+    ElfW(Phdr) segment;
+    const std::size_t at = header.e_phoff + i * sizeof(segment);
+    if (at > bytes.size() || bytes.size() - at < sizeof(segment)) return false;
+    std::memcpy(&segment, bytes.data() + at, sizeof(segment));
+    if (segment.p_type != PT_LOAD) continue;
+    if (segment.p_offset > bytes.size() || bytes.size() - segment.p_offset < segment.p_filesz) return false;
+  }
+  return true;
+}
+
+std::optional<Version> stamp_in(const std::string& bytes) {
   const std::size_t at = bytes.find(PluginStamp::marker);
   if (at == std::string::npos || bytes.size() - at < sizeof(PluginStamp)) return std::nullopt;
   PluginStamp stamp;
@@ -55,8 +70,22 @@ std::optional<Version> stamped_version(const std::string& path) {
   return Version{.abi = stamp.abi, .build_tag = {stamp.build_tag, strnlen(stamp.build_tag, sizeof(stamp.build_tag))}};
 }
 
+/// The last error of dlopen() or dlsym().
+std::string dl_error() { return bound(dlerror()); }
+
+}  // namespace
+
+Version own_version() { return {.abi = plugin_abi, .build_tag = LOOM_BUILD_TAG}; }
+
+std::optional<Version> stamped_version(const std::string& path) { return stamp_in(read_bytes(path)); }
+
 std::optional<Library> open_library(const std::string& path, Diagnostics& diagnostics) {
-  const std::optional<Version> stamped = stamped_version(path);
+  const std::string bytes = read_bytes(path);
+  if (!is_whole(bytes)) {
+    diagnostics.error("plugin-load", "is cut short", {.file = path}, "build or copy it again");
+    return std::nullopt;
+  }
+  const std::optional<Version> stamped = stamp_in(bytes);
   if (stamped && !compatible(path, *stamped, diagnostics)) return std::nullopt;
 
   // NOW: a missing symbol shows here, not in the middle of a frame. LOCAL: plugins do not see each other's symbols.

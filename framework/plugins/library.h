@@ -6,6 +6,7 @@
 #include <string>
 
 #include "loom/diagnostic.h"
+#include "loom/export.h"
 #include "loom/plugin.h"
 
 namespace loom::plugins {
@@ -18,7 +19,7 @@ struct Version {
 /// Of this Lightloom.
 Version own_version();
 /// Of the plugin in `path`, read from the file without loading it; empty where it has no stamp.
-std::optional<Version> stamped_version(const std::string& path);
+LOOM_API std::optional<Version> stamped_version(const std::string& path);
 
 struct Library {
   std::shared_ptr<void> handle;  ///< dlclose when the last owner lets go
