@@ -20,12 +20,15 @@ function(loom_add_pass)
   set_target_properties(${target} PROPERTIES
     PREFIX "" OUTPUT_NAME ${name} LIBRARY_OUTPUT_DIRECTORY ${output}
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-  # Out of tree, the shaders of a pass lie beside its source; the loader looks for shaders/ beside the plugin.
-  if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/shaders)
-    add_custom_command(TARGET ${target} POST_BUILD COMMAND ${CMAKE_COMMAND} -E copy_directory
-      ${CMAKE_CURRENT_SOURCE_DIR}/shaders ${output}/shaders)
-  endif()
+  # Out of tree, the shaders of a pass lie beside its source; the loader looks for shaders/ beside the plugin. Links, so
+  # that a change needs no build.
+  file(GLOB shaders RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/shaders ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*)
+  foreach(shader ${shaders})
+    file(MAKE_DIRECTORY ${output}/shaders)
+    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/shaders/${shader} ${output}/shaders/${shader} SYMBOLIC)
+  endforeach()
   if(PROJECT_NAME STREQUAL "Loom")
+    set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/../..")
     install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/loom/passes)
   endif()
 endfunction()

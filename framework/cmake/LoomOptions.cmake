@@ -10,8 +10,4 @@ if(LOOM_SANITIZE)
   target_link_options(loom_options INTERFACE -fsanitize=address,undefined)
 endif()
 
-# What two binaries must agree on to share C++ objects across a plugin boundary.
-set(LOOM_BUILD_TAG "${CMAKE_CXX_COMPILER_ID}-${CMAKE_CXX_COMPILER_VERSION}")
-if(LOOM_SANITIZE)
-  string(APPEND LOOM_BUILD_TAG "-sanitize")
-endif()
+include(LoomBuildTag)
