@@ -35,6 +35,7 @@ GLbitfield gl_barriers(unsigned barriers) {
   if (barriers & barrier_image_access) bits |= GL_SHADER_IMAGE_ACCESS_BARRIER_BIT;
   if (barriers & barrier_storage) bits |= GL_SHADER_STORAGE_BARRIER_BIT;
   if (barriers & barrier_framebuffer) bits |= GL_FRAMEBUFFER_BARRIER_BIT;
+  if (barriers & barrier_update) bits |= GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
   return bits;
 }
 
