@@ -12,8 +12,6 @@ namespace loom::graph {
 /// Graphviz source: passes as nodes with their ports, wires labelled by what they carry, dashed where they bring the
 /// last frame; passes that do not run in grey with the reason.
 LOOM_API std::string to_dot(const CompiledGraph& graph);
-/// The same, laid out. Throws Error where Graphviz cannot.
-LOOM_API std::string to_svg(const CompiledGraph& graph);
 /// `loom graph --format json`: passes with their ports, wires, outputs, what was left out.
 LOOM_API std::string to_json(const CompiledGraph& graph);
 /// `loom plan --json`: passes in the order they run, resources with lifetime (positions in that order) and slot, facts,

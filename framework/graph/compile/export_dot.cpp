@@ -1,14 +1,8 @@
-// The graph as Graphviz source, and as a picture.
-#include <algorithm>
-#include <cstddef>
-#include <memory>
+// The graph as Graphviz source.
 #include <string>
 #include <string_view>
 
-#include <graphviz/gvc.h>
-
 #include "graph/compile/export.h"
-#include "loom/diagnostic.h"
 
 namespace loom::graph {
 namespace {
@@ -98,13 +92,6 @@ std::string output(const GraphOutput& output) {
   return text;
 }
 
-struct ContextDeleter {
-  void operator()(GVC_t* context) const { gvFreeContext(context); }
-};
-struct GraphDeleter {
-  void operator()(Agraph_t* graph) const { agclose(graph); }
-};
-
 }  // namespace
 
 std::string to_dot(const CompiledGraph& graph) {
@@ -123,24 +110,6 @@ std::string to_dot(const CompiledGraph& graph) {
   for (const auto& edge : graph.edges) text += wire(graph, edge);
   for (const auto& item : graph.outputs) text += output(item);
   return text + "}\n";
-}
-
-std::string to_svg(const CompiledGraph& graph) {
-  const std::string dot = to_dot(graph);
-  const std::unique_ptr<GVC_t, ContextDeleter> context(gvContext());
-  const std::unique_ptr<Agraph_t, GraphDeleter> parsed(agmemread(dot.c_str()));
-  if (!context || !parsed) throw Error("Graphviz cannot read the graph; `--format dot` shows what it was given");
-  if (gvLayout(context.get(), parsed.get(), "dot") != 0)
-    throw Error("Graphviz cannot lay out the graph; is its `dot` layout plugin installed (Debian: libgvc6)?");
-  char* data = nullptr;
-  unsigned int length = 0;
-  const int failed = gvRenderData(context.get(), parsed.get(), "svg", &data, &length);
-  std::string svg;
-  if (failed == 0) svg.assign(data, length);
-  if (data != nullptr) gvFreeRenderData(data);
-  gvFreeLayout(context.get(), parsed.get());
-  if (failed != 0) throw Error("Graphviz cannot draw the graph as SVG");
-  return svg;
 }
 
 }  // namespace loom::graph
