@@ -78,7 +78,7 @@ void filter_horizontally(const Source& source, const Display& display, const Fil
         const auto line = source.rgb[c].subspan(row * width, width);
         if (display.hdr) {
           std::copy(line.begin(), line.end(), rgb[c].begin());
-          flip::aces_row(rgb[c].data(), static_cast<int>(width), display.exposure_factor);
+          flip::aces_row(rgb[c], display.exposure_factor);
         } else {
           std::transform(line.begin(), line.end(), rgb[c].begin(), [](float v) { return std::clamp(v, 0.f, 1.f); });
         }
@@ -242,6 +242,7 @@ FlipMap flip_hdr(const Layer& a, const Layer& reference, double pixels_per_degre
   check(a, reference, pixels_per_degree);
   const Exposures exposures = automatic_exposures(reference);
   std::vector<Display> displays;
+  displays.reserve(static_cast<std::size_t>(exposures.count));
   for (int i = 0; i < exposures.count; ++i) {
     const double exposure = exposures.start + (exposures.stop - exposures.start) * i / (exposures.count - 1);
     displays.push_back({.hdr = true, .exposure_factor = static_cast<float>(std::exp2(exposure))});

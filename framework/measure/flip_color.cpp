@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
+#include <span>
 
 #include <glm/ext/matrix_double3x3.hpp>
 #include <glm/matrix.hpp>
@@ -84,14 +84,14 @@ double aces_inverse(double t) {
   return (-q + std::sqrt(q * q - 4 * p * r)) / (2 * p);
 }
 
-void aces_row(float* values, int count, float exposure_factor) {
+void aces_row(std::span<float> values, float exposure_factor) {
   // The curve is over 1 from 7.3 on, so that a clamp here only keeps the square in range of a float.
   constexpr float enough = 1e4f;
   constexpr auto fa = static_cast<float>(a), fb = static_cast<float>(b), fc = static_cast<float>(c),
                  fd = static_cast<float>(d), fe = static_cast<float>(e);
-  for (int i = 0; i < count; ++i) {
-    const float x = std::min(std::max(values[i] * exposure_factor, 0.f), enough);
-    values[i] = std::min((fa * x + fb) * x / ((fc * x + fd) * x + fe), 1.f);
+  for (float& value : values) {
+    const float x = std::min(std::max(value * exposure_factor, 0.f), enough);
+    value = std::min((fa * x + fb) * x / ((fc * x + fd) * x + fe), 1.f);
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // The colour spaces of FLIP: linear Rec.709, its white-relative tristimulus values, CIELab with Hunt's effect, and the
 // ACES tone curve.
+#include <span>
+
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
@@ -22,6 +24,6 @@ double aces(double x);
 /// The x > 0 with aces(x) = t.
 double aces_inverse(double t);
 /// The same for a row of exposed values in place, clamped to [0,1]; negative values count as 0.
-void aces_row(float* values, int count, float exposure_factor);
+void aces_row(std::span<float> values, float exposure_factor);
 
 }  // namespace loom::measure::flip

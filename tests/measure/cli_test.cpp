@@ -26,7 +26,7 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 class Compare : public testing::Test {
  protected:
-  std::string exr(const std::string& name, const ImageLayers& image) const {
+  [[nodiscard]] std::string exr(const std::string& name, const ImageLayers& image) const {
     write_exr(dir_ / name, image);
     return dir_ / name;
   }

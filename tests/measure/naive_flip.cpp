@@ -86,7 +86,8 @@ double filtered(const Plane& plane, Size size, int x, int y, const Kernel& kerne
   for (int dy = -kernel.radius; dy <= kernel.radius; ++dy) {
     for (int dx = -kernel.radius; dx <= kernel.radius; ++dx) {
       const int sx = std::clamp(x + dx, 0, size.width - 1), sy = std::clamp(y + dy, 0, size.height - 1);
-      sum += *weight++ * plane[static_cast<std::size_t>(sy * size.width + sx)];
+      sum += *weight++ *
+             plane[static_cast<std::size_t>(sy) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(sx)];
     }
   }
   return sum;
