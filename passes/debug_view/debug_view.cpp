@@ -86,7 +86,7 @@ class DebugView final : public Pass {
     program_ = device.program({.files = {"debug_view/debug_view.comp"},
                                .defines = {{"SOURCE", "source_" + shown_},
                                            {"SAMPLER", sampler_type(desc_)},
-                                           {"KIND", "KIND_" + std::string(to_string(desc_.kind))},
+                                           {"KIND", std::to_string(static_cast<int>(desc_.kind))},
                                            {"CHANNEL", "channel_" + channel_}}});
   }
 

@@ -1,4 +1,5 @@
 layout(local_size_x = 8, local_size_y = 8) in;
+// TextureKind
 #define KIND_d2 0
 #define KIND_d2_array 1
 #define KIND_d3 2

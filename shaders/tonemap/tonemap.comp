@@ -7,7 +7,11 @@ vec3 curve_linear(vec3 x) { return x; }
 vec3 curve_reinhard(vec3 x) { return x / (1 + x); }
 vec3 curve_aces(vec3 x) { return x * (2.51 * x + .03) / (x * (2.43 * x + .59) + .14); }
 
-vec3 srgb(vec3 v) { return mix(12.92 * v, 1.055 * pow(v, vec3(1 / 2.4)) - .055, greaterThan(v, vec3(.0031308))); }
+vec3 srgb(vec3 v) {
+  vec3 encoded = mix(12.92 * v, 1.055 * pow(v, vec3(1 / 2.4)) - .055, greaterThan(v, vec3(.0031308)));
+  // 1.055 − .055 rounds to just below 1, and a store to half floats may cut that down by 2⁻¹¹ more.
+  return mix(encoded, vec3(1), greaterThanEqual(v, vec3(1)));
+}
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "support/bench.h"
 
@@ -28,7 +28,7 @@ class Area : public GlTest {
     if (!IsSkipped()) device_ = make_device();
   }
   static Texels irradiance(Bench& bench, int size, std::vector<graph::Override> set = {}, std::uint32_t seed = 0) {
-    return bench.render(pipeline, "image", {.size = {size, size}, .set = std::move(set), .seed = seed});
+    return bench.image(pipeline, "image", {.size = {size, size}, .set = std::move(set), .seed = seed});
   }
   std::unique_ptr<gpu::CachingDevice> device_;
 };
@@ -54,7 +54,8 @@ TEST_F(Area, PointUnderTheCentreOfAUnitSquare) {
   bench.look_down(1e-4, .5);
   for (const char* samples : {"1", "16"}) {
     const Texels e = irradiance(bench, 4, {{"emitter", "samples", samples}});
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(e.mean()[c] / (pi * radiance[c]), 4 * corner_factor(.5, .5), 2e-6) << samples;
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(e.mean()[c] / (pi * radiance[c]), 4 * corner_factor(.5, .5), 2e-6) << samples;
   }
 }
 
@@ -99,7 +100,8 @@ TEST_F(Area, FormFactorOfSquaresThatShareAnEdge) {
   scene.quad({-.5f, 0, -.5f}, {-.5f, 1, -.5f}, {-.5f, 1, .5f}, {-.5f, 0, .5f}, light);
   Bench bench(*device_, scene.build());
   bench.look_down(.5, 2);
-  // Along the edge E falls from half with a slope that is unbounded (like x·log x): error of the midpoint rule ~h²log h.
+  // Along the edge E falls from half with a slope that is unbounded (like x·log x): error of the midpoint rule ~h²log
+  // h.
   EXPECT_NEAR(irradiance(bench, 64).mean().x / (pi * radiance.x), .200044, 2e-4);
 }
 
@@ -175,7 +177,8 @@ TEST_F(Area, AWallBlocksHalfOfTheSky) {
   bench.look_down(.005, 2);
   const Texels e = irradiance(bench, 32, {{"emitter", "samples", "64"}});
   EXPECT_NEAR(e.mean().x / (pi * radiance.x), .5, .004);
-  EXPECT_FLOAT_EQ(irradiance(bench, 4, {{"emitter", "visibility", "none"}}).mean().x, static_cast<float>(pi) * radiance.x);
+  EXPECT_FLOAT_EQ(irradiance(bench, 4, {{"emitter", "visibility", "none"}}).mean().x,
+                  static_cast<float>(pi) * radiance.x);
 }
 
 TEST_F(Area, TheBackOfASingleSidedEmitterIsDarkAndADoubleSidedOneShinesBothWays) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "support/bench.h"
 
@@ -27,7 +27,7 @@ class Direct : public GlTest, public ::testing::WithParamInterface<std::string> 
   }
   Texels irradiance(Bench& bench, const std::string& shadow, std::vector<graph::Override> set = {}) const {
     set.push_back({"direct", "shadow", shadow});
-    return bench.render(pipeline, "image", {.size = {96, 96}, .set = set});
+    return bench.image(pipeline, "image", {.size = {96, 96}, .set = set});
   }
   /// Every pixel of a floor seen from above, within .5 %.
   void expect_floor(Bench& bench, double half, const std::function<double(glm::dvec3)>& truth) const {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "../../passes/rsm/light_faces.h"
 #include "support/bench.h"
@@ -37,7 +37,7 @@ class Rsm : public GlTest {
     return {{"rsm", "size", std::to_string(size)}, {"rsm", "shadow_size", "64"}};
   }
   glm::dvec3 total_flux(Bench& bench, int size) const {
-    const Texels flux = bench.render(pipeline, "rsm.lights.flux", {.set = sized(size)});
+    const Texels flux = bench.image(pipeline, "rsm.lights.flux", {.set = sized(size)});
     glm::dvec3 sum(0);
     for (const glm::vec4& texel : flux.values) sum += glm::dvec3(texel);
     return sum;
@@ -82,9 +82,10 @@ void check_texels(Bench& bench, int size, const std::vector<graph::Override>& se
         const double area = (directional ? 1 : r * r) * ray.measure / cosine;
         const double e = irradiance(truth.distance, ray.direction) * cosine;
         if (e > 0) ++lit;
-        // Φ and r are 32-bit floats; r² carries the rasteriser's interpolation twice.
+        // Φ and r are 32-bit floats; r² carries the rasteriser's interpolation twice. At a spot's outer edge a cosine
+        // off by 6e-8 moves the falloff t² by 2t·6e-8/(cos_inner − cos_outer) < 6e-7 of the light's irradiance.
         for (int c = 0; c < 3; ++c) {
-          ASSERT_NEAR(flux.at(x, y, layer)[c] / area, albedo[c] * e, 5e-4 * albedo[c] * e + 1e-12)
+          ASSERT_NEAR(flux.at(x, y, layer)[c] / area, albedo[c] * e, 5e-4 * albedo[c] * e + 1e-6)
               << x << ' ' << y << ' ' << layer;
         }
       }
@@ -224,7 +225,7 @@ TEST_F(Rsm, MoreThan32FacesAreDrawnInBatches) {
   scene.box(glm::vec3(-1), glm::vec3(1), scene.material(albedo));
   for (int i = 0; i < 7; ++i) scene.point({.1f * static_cast<float>(i) - .3f, 0, 0}, glm::vec3(1));
   Bench bench(*device_, scene.build());
-  const Texels flux = bench.render(pipeline, "rsm.lights.flux", {.set = sized(32)});
+  const Texels flux = bench.image(pipeline, "rsm.lights.flux", {.set = sized(32)});
   ASSERT_EQ(flux.layers, 42);
   double sum = 0;
   for (const glm::vec4& texel : flux.values) sum += texel.x;

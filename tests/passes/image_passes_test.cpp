@@ -33,18 +33,23 @@ class ImagePasses : public GlTest {
                      const std::string& member = "irradiance") const {
     write_shader(name + ".comp",
                  "layout(local_size_x = 4, local_size_y = 4) in;\n"
-                 "layout(rgba32f) writeonly uniform image2D o_" + member + ";\n"
-                 "void main() {\n  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);\n"
-                 "  if (any(greaterThanEqual(pixel, imageSize(o_" + member + ")))) return;\n"
-                 "  imageStore(o_" + member + ", pixel, vec4(" + value + "));\n}\n");
-    return '"' + name + R"(": { "type": "Shader", "file": ")" + name + R"(.comp", "ports": { "out": { "o": { "type": ")" +
-           type + R"(", "format": "rgba32f" } } } })";
+                 "layout(rgba32f) writeonly uniform image2D o_" +
+                     member +
+                     ";\n"
+                     "void main() {\n  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);\n"
+                     "  if (any(greaterThanEqual(pixel, imageSize(o_" +
+                     member +
+                     ")))) return;\n"
+                     "  imageStore(o_" +
+                     member + ", pixel, vec4(" + value + "));\n}\n");
+    return '"' + name + R"(": { "type": "Shader", "file": ")" + name +
+           R"(.comp", "ports": { "out": { "o": { "type": ")" + type + R"(", "format": "rgba32f" } } } })";
   }
   static std::string pipeline(const std::string& passes, const std::string& image) {
     return R"({ "passes": { )" + passes + R"( }, "outputs": { "image": ")" + image + R"(" } })";
   }
   Texels image(const std::string& passes, const std::string& output, RenderOptions options = {.size = {13, 7}}) const {
-    return bench_->render(pipeline(passes, output), "image", std::move(options));
+    return bench_->image(pipeline(passes, output), "image", std::move(options));
   }
   std::unique_ptr<gpu::CachingDevice> device_;
   std::unique_ptr<Bench> bench_;
@@ -62,12 +67,14 @@ TEST_F(ImagePasses, AddIsExact) {
 }
 
 TEST_F(ImagePasses, AddForwardsTheSideThatIsThere) {
-  const std::string add = R"(, "dark": { "type": "AreaLight", "in": { "surface": "g.surface" } }, "g": { "type": "GBuffer" },
+  const std::string add =
+      R"(, "dark": { "type": "AreaLight", "in": { "surface": "g.surface" } }, "g": { "type": "GBuffer" },
     "add": { "type": "Add", "in": { "a": "dark.irradiance", "b": "b.o" } })";
   SceneBuilder black;
   black.floor(glm::vec3(0), 1, black.material(glm::vec3(.5)));
   Bench bench(*device_, black.build());
-  const Texels sum = bench.render(pipeline(source("b", "pixel, 3, 1") + add, "add.irradiance"), "image", {.size = {13, 7}});
+  const Texels sum =
+      bench.image(pipeline(source("b", "pixel, 3, 1") + add, "add.irradiance"), "image", {.size = {13, 7}});
   EXPECT_EQ(sum.at(5, 2), glm::vec4(5, 2, 3, 1));
   EXPECT_FALSE(bench.renderer().graph().pass("add")->runs);
 }
@@ -121,10 +128,11 @@ TEST_F(ImagePasses, TonemapCurvesAreExact) {
 }
 
 TEST_F(ImagePasses, TonemapShowsZeroBlackInfinityWhiteAndNanMagenta) {
-  const std::string hdr = source("h",
-                                 "pixel.x == 0 ? vec3(0) : pixel.x == 1 ? vec3(uintBitsToFloat(0x7f800000u)) : "
-                                 "pixel.x == 2 ? vec3(uintBitsToFloat(0x7fc00000u)) : pixel.x == 3 ? vec3(-1) : vec3(3e38), 1",
-                                 "Image", "image");
+  const std::string hdr =
+      source("h",
+             "pixel.x == 0 ? vec3(0) : pixel.x == 1 ? vec3(uintBitsToFloat(0x7f800000u)) : "
+             "pixel.x == 2 ? vec3(uintBitsToFloat(0x7fc00000u)) : pixel.x == 3 ? vec3(-1) : vec3(3e38), 1",
+             "Image", "image");
   for (const char* curve : {"linear", "reinhard", "aces"}) {
     const Texels shown = image(hdr + R"(, "t": { "type": "Tonemap", "in": { "hdr": "h.o" }, "params": { "curve": ")" +
                                    std::string(curve) + R"(" } })",
@@ -155,7 +163,8 @@ void main() {
   imageStore(image_image, pixel, vec4(flip ? -v : v, 1));
 }
 )");
-  const std::string passes = source("h", "pixel, 0, 1", "Image", "image") + R"(, "u": { "type": "Shader", "file": "u.comp",
+  const std::string passes =
+      source("h", "pixel, 0, 1", "Image", "image") + R"(, "u": { "type": "Shader", "file": "u.comp",
       "in": { "base": "h.o" },
       "ports": { "in": { "base": "Image", "nothing": { "type": "Image", "optional": true } },
                  "out": { "image": { "type": "Image", "format": "rgba32f", "size": "frame" } } },
@@ -164,7 +173,8 @@ void main() {
                     "flip": { "default": false },
                     "tint": { "default": [1, 0, 0.5], "min": 0, "max": 1 } } })";
   EXPECT_EQ(glm::vec3(image(passes, "u.image").at(5, 3)), glm::vec3(7, 3, 1));
-  const Texels set = image(passes, "u.image", {.size = {13, 7}, .set = {{"u", "k", "3"}, {"u", "flip", "true"}, {"u", "n", "0"}}});
+  const Texels set =
+      image(passes, "u.image", {.size = {13, 7}, .set = {{"u", "k", "3"}, {"u", "flip", "true"}, {"u", "n", "0"}}});
   EXPECT_EQ(glm::vec3(set.at(5, 3)), glm::vec3(-15, -9, 0));
   try {
     image(passes, "u.image", {.size = {13, 7}, .set = {{"u", "k", "5"}}});
@@ -215,14 +225,16 @@ void main() {
       }
     }
   }
-  const Texels one = image(passes, "d.image", {.size = {8, 8}, .set = {{"d", "first", "3"}, {"d", "count", "1"}, {"d", "channel", "b"}}});
+  const Texels one = image(passes, "d.image",
+                           {.size = {8, 8}, .set = {{"d", "first", "3"}, {"d", "count", "1"}, {"d", "channel", "b"}}});
   for (const glm::vec4& texel : one.values) EXPECT_EQ(glm::vec3(texel), glm::vec3(3.f / 8));
 }
 
 TEST_F(ImagePasses, DebugViewNamesTheNearestMember) {
   try {
     image(R"("g": { "type": "GBuffer" },
-      "d": { "type": "DebugView", "in": { "source": "g.surface" }, "params": { "member": "albeda" } })", "d.image");
+      "d": { "type": "DebugView", "in": { "source": "g.surface" }, "params": { "member": "albeda" } })",
+          "d.image");
     ADD_FAILURE() << "an unknown member was taken";
   } catch (const BadInput& error) {
     EXPECT_THAT(error.diagnostics().all().front().hint, HasSubstr("albedo"));

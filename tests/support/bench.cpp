@@ -178,7 +178,7 @@ void Bench::render(const std::string& pipeline, const RenderOptions& options) {
     renderer_->render(*gpu_, block_, {.index = static_cast<std::uint64_t>(i), .seed = options.seed});
 }
 
-Texels Bench::render(const std::string& pipeline, const std::string& output, RenderOptions options) {
+Texels Bench::image(const std::string& pipeline, const std::string& output, RenderOptions options) {
   options.requested.push_back(output);
   render(pipeline, options);
   return read(output);

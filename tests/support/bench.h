@@ -78,7 +78,7 @@ class Bench {
   /// `pipeline`: JSON, or the name of a file in pipelines/. Throws BadInput with all diagnostics.
   void render(const std::string& pipeline, const RenderOptions& options = {});
   /// Renders and reads one output ("image", "pass.port.member").
-  Texels render(const std::string& pipeline, const std::string& output, RenderOptions options = {});
+  Texels image(const std::string& pipeline, const std::string& output, RenderOptions options = {});
   /// An output of the last render; throws where it is absent.
   [[nodiscard]] Texels read(const std::string& output) const;
   [[nodiscard]] bool absent(const std::string& output) const;
