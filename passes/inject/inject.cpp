@@ -9,10 +9,13 @@
 #include "loom/plugin.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <string>
+#include <vector>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -25,7 +28,8 @@ namespace {
 
 using namespace loom;
 
-constexpr double pi = 3.14159265358979323846;
+constexpr double pi = std::numbers::pi;
+const std::array<std::string, 3> channels{"red", "green", "blue"};
 
 /// A cubic grid of n³ cells around the scene's box, with one empty cell on each side: no surface lies outside, and
 /// the two outermost faces of a wall at the border exist.
@@ -64,7 +68,7 @@ class Inject final : public Pass {
       return blockers.absent(lights.why_absent());
     }
     grid_block_ = fit_grid(facts, grid_);
-    for (const char* channel : {"red", "green", "blue"}) {
+    for (const std::string& channel : channels) {
       flux.texture(channel, TextureDesc::volume(grid_, Format::rgba32f), Access::image_read_write).cleared(channel);
     }
     blockers
@@ -82,10 +86,21 @@ class Inject final : public Pass {
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
-    blocks_ = bindings.has("blockers.occupancy") && bindings.has("blockers.albedo");
+    blocks_ = bindings.has("blockers.occupancy");
     light_ = device.program({.files = {"inject/light.comp"}});
     camera_ = device.program({.files = {"inject/camera.comp"}});
-    resolve_ = device.program({.files = {"inject/resolve.comp"}, .defines = {{"BLOCKERS", blocks_ ? "1" : "0"}}});
+    resolve_flux_.clear();
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      if (!bindings.has("flux." + channels[i])) continue;
+      resolve_flux_.push_back(
+          device.program({.files = {"inject/resolve_flux.comp"},
+                          .defines = {{"VOLUME", "flux_" + channels[i]}, {"CHANNEL", std::to_string(i)}}}));
+    }
+    resolve_blockers_ = nullptr;
+    if (blocks_) {
+      resolve_blockers_ = device.program({.files = {"inject/resolve_blockers.comp"},
+                                          .defines = {{"ALBEDO", bindings.has("blockers.albedo") ? "1" : "0"}}});
+    }
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -116,11 +131,19 @@ class Inject final : public Pass {
   }
 
  private:
+  /// What one buffer left in the fixed-point sums goes to the volumes.
   void resolve(Frame& frame, const Bindings& bindings, glm::ivec3 cells, float flux_scale, float area_scale) {
     frame.barrier();
-    resolve_->set("flux_scale", flux_scale);
-    resolve_->set("area_scale", area_scale);
-    frame.dispatch(*resolve_, bindings, cells);
+    if (flux_scale > 0) {
+      for (const auto& resolve : resolve_flux_) {
+        resolve->set("flux_scale", flux_scale);
+        frame.dispatch(*resolve, bindings, cells);
+      }
+    }
+    if (blocks_) {
+      resolve_blockers_->set("area_scale", area_scale);
+      frame.dispatch(*resolve_blockers_, bindings, cells);
+    }
     frame.barrier();
   }
 
@@ -142,7 +165,8 @@ class Inject final : public Pass {
   int grid_ = 32;
   interop::Grid grid_block_{};
   bool blocks_ = false;
-  std::shared_ptr<const Program> light_, camera_, resolve_;
+  std::shared_ptr<const Program> light_, camera_, resolve_blockers_;
+  std::vector<std::shared_ptr<const Program>> resolve_flux_;  // of the channels that are read
 };
 
 }  // namespace

@@ -8,9 +8,11 @@
 // Propagation is a random walk: light needs about 2k² iterations to arrive k cells away.
 #include "loom/plugin.h"
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <glm/vec4.hpp>
 
@@ -19,6 +21,8 @@
 namespace {
 
 using namespace loom;
+
+const std::array<std::string, 3> channels{"red", "green", "blue"};
 
 class Lpv final : public Pass {
  public:
@@ -36,7 +40,7 @@ class Lpv final : public Pass {
     if (red == nullptr) return ports.error("lpv-flux", "the flux volume has no member `red`", "wire it to Inject");
     cells_ = static_cast<std::size_t>(red->width) * red->height * red->depth;
     blocked_ = blockers.texture("occupancy") != nullptr && blockers.texture("albedo") != nullptr;
-    for (const char* channel : {"red", "green", "blue"}) intensity.texture(channel, *red, Access::image_write);
+    for (const std::string& channel : channels) intensity.texture(channel, *red, Access::image_write);
 
     ports.scratch("front", BufferDesc{.bytes = 2 * 4 * cells_ * sizeof(glm::vec4)});
     ports.scratch("sum", BufferDesc{.bytes = 3 * cells_ * sizeof(glm::vec4)});
@@ -45,11 +49,17 @@ class Lpv final : public Pass {
     if (!facts.moves) ports.keep_outputs();
   }
 
-  void prepare(Device& device, const Bindings& /*bindings*/) override {
+  void prepare(Device& device, const Bindings& bindings) override {
     const std::vector<Define> defines = {{"BLOCKERS", blocked_ ? "1" : "0"}};
     begin_ = device.program({.files = {"lpv/begin.comp"}});
     propagate_ = device.program({.files = {"lpv/propagate.comp"}, .defines = defines});
-    resolve_ = device.program({.files = {"lpv/resolve.comp"}});
+    resolve_.clear();
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      if (!bindings.has("intensity." + channels[i])) continue;
+      resolve_.push_back(
+          device.program({.files = {"lpv/resolve.comp"},
+                          .defines = {{"VOLUME", "intensity_" + channels[i]}, {"CHANNEL", std::to_string(i)}}}));
+    }
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -66,7 +76,7 @@ class Lpv final : public Pass {
         frame.barrier();
       }
     }
-    frame.dispatch(*resolve_, bindings, cells);
+    for (const auto& resolve : resolve_) frame.dispatch(*resolve, bindings, cells);
   }
 
   /// All that the result depends on comes in over the wires, which the executor watches.
@@ -76,7 +86,8 @@ class Lpv final : public Pass {
   int iterations_ = 16, bounces_ = 1;
   std::size_t cells_ = 0;
   bool blocked_ = false;
-  std::shared_ptr<const Program> begin_, propagate_, resolve_;
+  std::shared_ptr<const Program> begin_, propagate_;
+  std::vector<std::shared_ptr<const Program>> resolve_;  // of the channels that are read
 };
 
 }  // namespace
