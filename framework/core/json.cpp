@@ -54,6 +54,17 @@ class Cursor {
     while (offset_ < std::min(offset, text_.size())) step();
   }
 
+  /// Where the character starts whose bytes went wrong at `offset`: back over continuation bytes to one that leads.
+  [[nodiscard]] std::size_t sequence_start(std::size_t offset) const {
+    for (std::size_t back = 1; back <= 3 && back <= offset; ++back) {
+      const auto byte = static_cast<unsigned char>(text_[offset - back]);
+      const std::size_t length = byte >= 0xF0 ? 4 : byte >= 0xE0 ? 3 : byte >= 0xC0 ? 2 : 1;
+      if (length > back) return offset - back;
+      if ((byte & 0xC0u) != 0x80u) break;
+    }
+    return offset;
+  }
+
   /// What stands here up to the next blank or punctuation: a number, a literal, or what was meant as one.
   [[nodiscard]] std::string_view word() const {
     const auto end = text_.find_first_of(" \t\r\n,:{}[]\"", offset_);
@@ -159,9 +170,9 @@ class Builder {
   bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception& exception) {
     const std::string what = exception.what();
     if (what.find("ill-formed UTF-8") != std::string::npos) {
-      cursor_.to_offset(position == 0 ? 0 : position - 1);
-      diagnostics_.error("not-utf8", "byte " + std::to_string(position) + " of the file is not valid UTF-8", here(),
-                         "save the file as UTF-8");
+      cursor_.to_offset(cursor_.sequence_start(position == 0 ? 0 : position - 1));
+      diagnostics_.error("not-utf8", "byte " + std::to_string(cursor_.offset() + 1) + " of the file is not valid UTF-8",
+                         here(), "save the file as UTF-8");
       return false;
     }
     cursor_.to_token();

@@ -59,6 +59,8 @@ std::string shown(const json::Node& value) {
       return '`' + text_of(value.number) + '`';
     case json::Kind::string:
       return "the string \"" + value.string.substr(0, 40) + (value.string.size() > 40 ? "…\"" : "\"");
+    case json::Kind::array:
+      return "an array of " + std::to_string(value.items.size());
     default:
       return std::string(json::to_string(value.kind));
   }
@@ -212,6 +214,10 @@ bool Params::set_text(std::string_view name, std::string_view text, std::string_
   Diagnostics ignored;
   // For a string, `16` and `true` are text unless they are quoted.
   if (!wants_string || text.starts_with('"')) value = json::parse(text, source, ignored);
+  if (!ignored.all().empty() && ignored.all().front().code == "not-finite") {
+    diagnostics.error("not-finite", ignored.all().front().message, {source, 0, 0, {}});
+    return false;
+  }
   if (wants_string ? !value.is(json::Kind::string) : ignored.has_errors()) {
     value = {};
     value.kind = json::Kind::string;

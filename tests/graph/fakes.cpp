@@ -56,6 +56,16 @@ class Scripted : public Pass {
   void execute(Frame& /*frame*/, const Bindings& /*bindings*/) override {}
 };
 
+class ThrowsInParams : public Pass {
+ public:
+  void params(Params& params) override { params.integer("n", n_, {.min = 1, .max = 2}); }
+  void reflect(Ports& /*ports*/, const SceneFacts& /*facts*/) override {}
+  void execute(Frame& /*frame*/, const Bindings& /*bindings*/) override {}
+
+ private:
+  int n_ = 3;
+};
+
 void geometry(Ports& ports, const SceneFacts& facts) {
   const auto size = ports.frame_size();
   auto surface = ports.out("surface", "Surface");
@@ -202,6 +212,7 @@ Registry fake_registry() {
   add_types(registry);
   registry.add<Tuned>("Tuned", "a fake with parameters");
   registry.add<Scripted>("Scripted", "a fake with keys of its own");
+  registry.add<ThrowsInParams>("ThrowsInParams", "its default is outside its range");
   add_broken_types(registry);
   return registry;
 }

@@ -124,6 +124,12 @@ TEST(Plan, NullOutputsAreAbsent) {
   EXPECT_TRUE(graph.outputs[1].absent.has_value());
 }
 
+TEST(Plan, AMemberThatThisSceneDoesNotNeedIsAbsentAsAnOutput) {
+  const auto graph = compiled(lit, {.requested = {"gbuffer.surface.emission"}});
+  EXPECT_EQ(graph.outputs.at(0).resource, graph::none);
+  EXPECT_EQ(graph.outputs.at(0).absent, "`gbuffer.surface` has no `emission` here");
+}
+
 TEST(Plan, ForwardedBundlesResolveToTheirSource) {
   const auto graph = compiled(R"({
     "passes": {

@@ -111,6 +111,9 @@ TEST(Params, TextOfTheCommandLine) {
   ASSERT_EQ(diagnostics.all().size(), 5U);
   EXPECT_EQ(diagnostics.all()[3].where.file, "--set lpv.iterations=many");
   EXPECT_EQ(diagnostics.all()[3].code, "param-type");
+  EXPECT_EQ(diagnostics.all()[0].code, "not-finite");
+  EXPECT_EQ(diagnostics.all()[1].code, "param-type");
+  EXPECT_EQ(diagnostics.all()[2].code, "not-finite");
   EXPECT_EQ(values.radius, 10);
 }
 
