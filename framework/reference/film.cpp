@@ -131,6 +131,8 @@ ImageLayers Film::layers() const {
     depth[i] = p.hits == 0 ? 0.F : static_cast<float>(p.depth / p.hits);
   }
   image.attributes["loom:quantity"] = "radiance";
+  image.attributes["loom:spp"] = std::to_string(least_count());
+  image.attributes["loom:bounces"] = identity_.bounces < 0 ? "unlimited" : std::to_string(identity_.bounces);
   return image;
 }
 

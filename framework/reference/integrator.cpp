@@ -17,8 +17,8 @@ namespace loom::reference {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
-/// Paths weaker than this play roulette, and go on with this weight. Measured on the Cornell box: error² × rays is least
-/// near a half (1 costs a third more, a quarter a tenth).
+/// Paths weaker than this play roulette, and go on with this weight. Measured on the Cornell box: error² × rays is
+/// least near a half (1 costs a third more, a quarter a tenth).
 constexpr float least_weight = .5F;
 /// Highest chance to go on. Second moments stay finite while ρ² < this, and a path in a white box still ends.
 constexpr float most_survival = 1 - 0x1p-10F;

@@ -38,15 +38,6 @@ class Hash {
 FilmIdentity identify(const scene::Scene& scene, const scene::Camera& camera, glm::ivec2 size, const Options& options) {
   Hash hash;
   hash.add(scene.content_hash);
-  hash.add(glm::dvec3(scene.sky));
-  for (const auto& light : scene.lights) {  // a run file replaces them
-    hash.add(static_cast<std::uint64_t>(light.kind));
-    hash.add(light.position);
-    hash.add(light.direction);
-    hash.add(glm::dvec3(light.intensity));
-    hash.add(light.inner_rad);
-    hash.add(light.outer_rad);
-  }
   hash.add(camera.eye);
   hash.add(camera.target);
   hash.add(camera.up);

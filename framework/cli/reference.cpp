@@ -1,0 +1,236 @@
+// loom reference: the truth, path-traced. Progressive, resumable, mergeable.
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/commands.h"
+#include "cli/json_out.h"
+#include "core/image_io.h"
+#include "loom/diagnostic.h"
+#include "reference/film.h"
+#include "reference/path_tracer.h"
+#include "reference/run.h"
+#include "scene/gpu_scene.h"
+#include "scene/load.h"
+
+namespace loom::cli {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::uint32_t default_samples = 256;
+constexpr glm::ivec2 default_size{512, 512};
+
+struct Arguments {
+  std::string scene, camera, size, output;
+  std::optional<std::uint32_t> samples;
+  std::optional<double> noise;
+  std::optional<int> bounces;
+  std::uint64_t seed = 0;
+  int threads = 0;
+  std::vector<std::string> merge;
+};
+
+/// Where the accumulation of an image lies. A path that names an accumulation stays.
+std::string film_of(const std::string& path) { return path.ends_with(".film") ? path : path + ".film"; }
+
+std::string format(const char* pattern, double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), pattern, value);
+  return text.data();
+}
+
+std::string duration_text(double seconds) {
+  const auto s = static_cast<long long>(std::llround(std::fmin(seconds, 3.6e8)));
+  if (s < 60) return std::to_string(s) + " s";
+  if (s < 3600) return std::to_string(s / 60) + " min " + std::to_string(s % 60) + " s";
+  return std::to_string(s / 3600) + " h " + std::to_string(s / 60 % 60) + " min";
+}
+
+/// The progress line, where stderr is a terminal; and the error against time.
+class Report {
+ public:
+  ~Report() { clear(); }
+  Report() = default;
+  Report(const Report&) = delete;
+  Report& operator=(const Report&) = delete;
+
+  bool operator()(const reference::Progress& p) {
+    if (p.noise && (convergence_.empty() || *p.noise != convergence_.back().noise)) {
+      convergence_.push_back({p.samples, p.seconds, *p.noise});
+    }
+    const auto now = Clock::now();
+    if (terminal_ && now - last_ > std::chrono::milliseconds(100)) {
+      last_ = now;
+      show(p);
+    }
+    return true;
+  }
+
+  void clear() {
+    if (shown_) std::fputs("\r\033[K", stderr);
+    shown_ = false;
+  }
+
+  [[nodiscard]] Json convergence() const {
+    Json list = Json::array();
+    for (const auto& c : convergence_) list.push_back({{"spp", c.samples}, {"seconds", c.seconds}, {"noise", c.noise}});
+    return list;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Point {
+    std::uint32_t samples;
+    double seconds, noise;
+  };
+
+  void show(const reference::Progress& p) {
+    constexpr int width = 24;
+    const int full = static_cast<int>(p.fraction * width);
+    std::string line = "[" + std::string(static_cast<std::size_t>(full), '=') +
+                       std::string(static_cast<std::size_t>(width - full), ' ') + "] " + std::to_string(p.samples);
+    if (p.expected > 0) line += "/" + std::to_string(p.expected);
+    line += " spp";
+    if (p.noise) line += "  noise " + format("%.2f %%", 100 * *p.noise);
+    line += format("  %.1f Mrays/s", p.rays_per_s * 1e-6);
+    if (p.remaining_s) line += "  " + duration_text(*p.remaining_s) + " left";
+    std::fprintf(stderr, "\r\033[K%s", line.c_str());
+    shown_ = true;
+  }
+
+  bool terminal_ = isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  Clock::time_point last_;
+  std::vector<Point> convergence_;
+};
+
+void check(const Arguments& arguments) {
+  if (fs::path(arguments.output).extension() != ".exr") {
+    throw bad_usage("-o " + arguments.output + ": a reference is written as .exr", "for example -o ref.exr");
+  }
+  const fs::path folder = fs::path(arguments.output).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder)) {
+    throw bad_usage("-o " + arguments.output + ": there is no folder " + folder.string(), "make it first");
+  }
+  if (arguments.samples && *arguments.samples == 0) throw bad_usage("--spp 0 renders nothing", "give 1 or more");
+  if (arguments.noise && !(*arguments.noise > 0 && std::isfinite(*arguments.noise))) {
+    throw bad_usage("--noise must be above 0", "for example --noise 0.02");
+  }
+  if (arguments.bounces && *arguments.bounces < 0) {
+    throw bad_usage("--bounces must be 0 or more", "leave it out for no limit");
+  }
+  if (arguments.threads < 0) throw bad_usage("--threads must be 0 or more", "0 uses all");
+}
+
+/// Writes the image and says what it took.
+void finish(const reference::Film& film, const Arguments& arguments, const Session& session, const Json& convergence) {
+  write_exr(arguments.output, film.layers());
+  const double paths = static_cast<double>(film.least_count()) * film.size().x * film.size().y;
+  const double seconds = std::max(film.seconds, 1e-9);
+  const double noise = film.relative_error();
+  if (film.non_finite() > 0) {
+    note(std::to_string(film.non_finite()) + " samples were not finite and count as zero");
+  }
+  if (session.json) {
+    Json document = versioned();
+    document["output"] = arguments.output;
+    document["size"] = {film.size().x, film.size().y};
+    document["spp"] = film.least_count();
+    document["seeds"] = film.seeds();
+    document["noise"] = noise;
+    document["seconds"] = film.seconds;
+    document["rays"] = film.rays;
+    document["rays_per_s"] = static_cast<double>(film.rays) / seconds;
+    document["paths_per_s"] = paths / seconds;
+    document["non_finite"] = film.non_finite();
+    document["convergence"] = convergence;
+    print(document);
+    return;
+  }
+  note(arguments.output + ": " + std::to_string(film.least_count()) + " spp in " + format("%.1f s", film.seconds) +
+       ", noise " + format("%.2f %%", 100 * noise) + ", " +
+       format("%.2f Mrays/s", static_cast<double>(film.rays) / seconds * 1e-6) + ", " +
+       format("%.2f Mpaths/s", paths / seconds * 1e-6));
+}
+
+void merge(const Arguments& arguments, const Session& session) {
+  reference::Film film = reference::Film::load(film_of(arguments.merge.front()));
+  for (std::size_t i = 1; i < arguments.merge.size(); ++i) {
+    film.merge(reference::Film::load(film_of(arguments.merge[i])));
+  }
+  film.save(film_of(arguments.output));
+  finish(film, arguments, session, Json::array());
+}
+
+void render(const Arguments& arguments, const Session& session) {
+  Diagnostics diagnostics;
+  const scene::Setup setup = scene::load_setup(find_scene(arguments.scene), arguments.camera, diagnostics);
+  report(diagnostics);
+  const glm::ivec2 size = arguments.size.empty() ? setup.size.value_or(default_size) : parse_size(arguments.size);
+
+  reference::Options options;
+  options.bounces = arguments.bounces.value_or(-1);
+  options.seed = arguments.seed;
+  options.threads = arguments.threads;
+  reference::Target target{.samples = arguments.samples, .noise = arguments.noise};
+  if (!target.samples && !target.noise) target.samples = default_samples;
+
+  const std::string film_path = film_of(arguments.output);
+  reference::Film film = reference::open_film(
+      film_path, size, reference::identify(setup.scene, setup.camera, size, options), options.seed);
+  if (film.least_count() > 0) note("going on from " + std::to_string(film.least_count()) + " spp in " + film_path);
+
+  // Positions become float relative to the eye: exact where it matters, however far from the origin that is.
+  scene::Camera camera = setup.camera;
+  const glm::dvec3 origin = camera.eye;
+  const reference::PathTracer tracer(setup.scene, origin, options);
+  camera.target -= origin;
+  camera.eye = glm::dvec3(0);
+  Report progress;
+  reference::run(tracer, film, scene::make_camera(camera, setup.scene, size), target, {.path = film_path},
+                 [&](const reference::Progress& p) { return progress(p); });
+  progress.clear();
+  finish(film, arguments, session, progress.convergence());
+}
+
+}  // namespace
+
+void add_reference(CLI::App& app, Session& session) {
+  auto* command = app.add_subcommand("reference", "Path-trace a scene: the truth that pictures are measured against");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("scene", arguments->scene, "A .gltf, .glb or run file; default: the built-in Cornell box");
+  command->add_option("-o,--output", arguments->output, "The .exr to write; its accumulation lies beside it as .film")
+      ->required();
+  auto* samples =
+      command->add_option("--spp", arguments->samples, "Samples a pixel, rounded up to a multiple of 16 (default 256)");
+  command->add_option("--noise", arguments->noise, "Stop when the estimated relative error is under this, e.g. 0.02")
+      ->excludes(samples);
+  command->add_option("--bounces", arguments->bounces,
+                      "Reflections before light arrives at the visible surface (default: no limit)");
+  command->add_option("--seed", arguments->seed, "Runs with different seeds are independent and can be merged");
+  command->add_option("--size", arguments->size, "WxH (default: the run file's, or 512x512)");
+  command->add_option("--camera", arguments->camera, "A camera of the scene by name, or JSON as in a run file");
+  command->add_option("--threads", arguments->threads, "0 = all; the image does not depend on it");
+  command->add_option("--merge", arguments->merge, "Add up finished runs (their .exr or .film) instead of rendering");
+  add_json_option(*command, session);
+  add_plugin_option(*command, session);
+  command->callback([arguments, &session] {
+    check(*arguments);
+    if (arguments->merge.empty()) {
+      render(*arguments, session);
+    } else {
+      merge(*arguments, session);
+    }
+  });
+}
+
+}  // namespace loom::cli
