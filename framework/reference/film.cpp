@@ -1,7 +1,9 @@
 #include "reference/film.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -21,12 +23,6 @@ bool finite(const Sample& s) {
 /// Samples of replicate r among `count`.
 double samples_of(std::uint32_t count, std::size_t r) {
   return static_cast<double>((count + replicates - 1 - static_cast<std::uint32_t>(r)) / replicates);
-}
-
-void put(ImageLayers& image, const std::string& layer, std::size_t i, const glm::dvec3& value) {
-  image.channels[layer + "R"][i] = static_cast<float>(value.x);
-  image.channels[layer + "G"][i] = static_cast<float>(value.y);
-  image.channels[layer + "B"][i] = static_cast<float>(value.z);
 }
 
 }  // namespace
@@ -72,11 +68,32 @@ std::uint64_t Film::non_finite() const {
   return sum;
 }
 
-glm::dvec3 Film::mean(const PixelSums& sums) {
-  if (sums.count == 0) return glm::dvec3(0);
+glm::dvec3 Film::mean(const PixelSums& sums, Layer layer) {
   glm::dvec3 total(0);
-  for (const auto& sum : sums.radiance) total += sum;
-  return total / static_cast<double>(sums.count);
+  switch (layer) {
+    case Layer::radiance:
+      for (const auto& sum : sums.radiance) total += sum;
+      break;
+    case Layer::direct:
+      total = sums.direct;
+      break;
+    case Layer::emitter:
+      total = sums.emitter;
+      break;
+    case Layer::bounce:
+      total = sums.bounce;
+      break;
+    case Layer::indirect:
+      total = sums.emitter + sums.bounce;
+      break;
+    case Layer::albedo:
+      total = sums.albedo;
+      break;
+    case Layer::normal:
+      total = sums.normal;
+      break;
+  }
+  return total / std::max(1., static_cast<double>(sums.count));
 }
 
 glm::dvec3 Film::standard_error(const PixelSums& sums) {
@@ -109,26 +126,28 @@ ImageLayers Film::layers() const {
   ImageLayers image;
   image.width = size_.x;
   image.height = size_.y;
-  for (const char* layer : {"", "direct.", "emitter.", "bounce.", "indirect.", "albedo.", "normal.", "stderr."}) {
-    for (const char* channel : {"R", "G", "B"}) {
-      image.channels[std::string(layer) + channel].resize(pixels_.size());
+  constexpr std::array layers = {std::pair("", Layer::radiance),          std::pair("direct.", Layer::direct),
+                                 std::pair("emitter.", Layer::emitter),   std::pair("bounce.", Layer::bounce),
+                                 std::pair("indirect.", Layer::indirect), std::pair("albedo.", Layer::albedo),
+                                 std::pair("normal.", Layer::normal)};
+  const auto add = [&](const std::string& prefix, auto&& value) {
+    std::vector<float>& r = image.channels[prefix + "R"];
+    std::vector<float>& g = image.channels[prefix + "G"];
+    std::vector<float>& b = image.channels[prefix + "B"];
+    for (const PixelSums& pixel : pixels_) {
+      const glm::vec3 v(value(pixel));
+      r.push_back(v.x);
+      g.push_back(v.y);
+      b.push_back(v.z);
     }
+  };
+  for (const auto& [prefix, layer] : layers) {
+    add(prefix, [which = layer](const PixelSums& pixel) { return mean(pixel, which); });
   }
-  auto& depth = image.channels["depth.Z"];
-  depth.resize(pixels_.size());
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    const PixelSums& p = pixels_[i];
-    const double n = std::max(1., static_cast<double>(p.count));
-    put(image, "", i, mean(p));
-    put(image, "direct.", i, p.direct / n);
-    put(image, "emitter.", i, p.emitter / n);
-    put(image, "bounce.", i, p.bounce / n);
-    put(image, "indirect.", i, (p.emitter + p.bounce) / n);
-    put(image, "albedo.", i, p.albedo / n);
-    put(image, "normal.", i, p.normal / n);
-    put(image, "stderr.", i, standard_error(p));
+  add("stderr.", [](const PixelSums& pixel) { return standard_error(pixel); });
+  for (const PixelSums& p : pixels_) {
     // Over the hits: a mean with the misses would be the depth of nothing at a silhouette.
-    depth[i] = p.hits == 0 ? 0.F : static_cast<float>(p.depth / p.hits);
+    image.channels["depth.Z"].push_back(p.hits == 0 ? 0.F : static_cast<float>(p.depth / p.hits));
   }
   image.attributes["loom:quantity"] = "radiance";
   image.attributes["loom:spp"] = std::to_string(least_count());

@@ -45,6 +45,9 @@ struct FilmIdentity {
   bool operator==(const FilmIdentity&) const = default;
 };
 
+/// A quantity of the visible surface, as the EXR and the passes have it.
+enum class Layer { radiance, direct, emitter, bounce, indirect, albedo, normal };
+
 class LOOM_API Film {
  public:
   Film() = default;
@@ -68,8 +71,9 @@ class LOOM_API Film {
   double seconds = 0;
   std::uint64_t rays = 0;
 
-  [[nodiscard]] static glm::dvec3 mean(const PixelSums& sums);
-  /// Standard error of mean(), each channel; 0 below two samples, where nothing can be said.
+  /// Mean over the samples; 0 without any.
+  [[nodiscard]] static glm::dvec3 mean(const PixelSums& sums, Layer layer = Layer::radiance);
+  /// Standard error of the mean radiance, each channel; 0 below two samples, where nothing can be said.
   [[nodiscard]] static glm::dvec3 standard_error(const PixelSums& sums);
   /// Root of the relMSE that the standard errors predict: √ mean over pixels and channels of σ²/(mean²+1e-2).
   [[nodiscard]] double relative_error() const;

@@ -23,7 +23,7 @@ TEST(Furnace, IsEmissionOverOneMinusAlbedo) {
   const glm::vec3 albedo(.8F, .5F, .2F);
   const auto scene = SceneBuilder().room(glm::vec3(-1), glm::vec3(1), {albedo, glm::vec3(1, 2, 3)}).scene;
   const Film film = render(scene, inside(), {16, 16}, 64);
-  expect_mean_within(over_pixels(film, Quantity::radiance), glm::dvec3(1, 2, 3) / (1. - glm::dvec3(albedo)), .01);
+  expect_mean_within(over_pixels(film, Layer::radiance), glm::dvec3(1, 2, 3) / (1. - glm::dvec3(albedo)), .01);
 }
 
 // With reflections limited to N before the light arrives: L_e(1−ρᴺ⁺²)/(1−ρ).
@@ -33,7 +33,7 @@ TEST(Furnace, WithLimitedBouncesIsThePartialSum) {
   for (const int bounces : {0, 1, 3, 8}) {
     SCOPED_TRACE(bounces);
     const Film film = render(scene, inside(), {16, 16}, 16, {.bounces = bounces});
-    expect_mean_within(over_pixels(film, Quantity::radiance),
+    expect_mean_within(over_pixels(film, Layer::radiance),
                        glm::dvec3((1 - std::pow(albedo, bounces + 2)) / (1 - albedo)), .02);
   }
 }
@@ -42,9 +42,9 @@ TEST(Furnace, WithLimitedBouncesIsThePartialSum) {
 TEST(Furnace, SplitsEmitterFromBounce) {
   const auto scene = SceneBuilder().room(glm::vec3(-1), glm::vec3(1), {glm::vec3(.5F), glm::vec3(1)}).scene;
   const Film film = render(scene, inside(), {16, 16}, 64);
-  expect_mean_within(over_pixels(film, Quantity::emitter), glm::dvec3(pi), .01);
-  expect_mean_within(over_pixels(film, Quantity::bounce), glm::dvec3(pi), .02);
-  EXPECT_EQ(over_pixels(film, Quantity::direct).mean, glm::dvec3(0));
+  expect_mean_within(over_pixels(film, Layer::emitter), glm::dvec3(pi), .01);
+  expect_mean_within(over_pixels(film, Layer::bounce), glm::dvec3(pi), .02);
+  EXPECT_EQ(over_pixels(film, Layer::direct).mean, glm::dvec3(0));
 }
 
 /// Distance of the nearest triangle's plane from the origin.
@@ -72,16 +72,16 @@ TEST(IntegratingSphere, BounceByBounce) {
   const double polyhedron = radius * radius / (inscribed * inscribed) - 1;
   ASSERT_LT(polyhedron, .0025);
   const Film film = render(scene, inside(1), {12, 12}, 64);
-  Estimate direct = over_pixels(film, Quantity::direct);
+  Estimate direct = over_pixels(film, Layer::direct);
   expect_mean(direct, glm::dvec3(straight), polyhedron);
   double sum = 0;
   for (int k = 1; k <= 3; ++k) {
     SCOPED_TRACE(k);
     sum += std::pow(albedo, k) * straight;
     const Film limited = render(scene, inside(1), {12, 12}, 32, {.bounces = k});
-    expect_mean(over_pixels(limited, Quantity::bounce), glm::dvec3(sum), polyhedron);
+    expect_mean(over_pixels(limited, Layer::bounce), glm::dvec3(sum), polyhedron);
   }
-  expect_mean(over_pixels(film, Quantity::bounce), glm::dvec3(straight * albedo / (1 - albedo)), polyhedron);
+  expect_mean(over_pixels(film, Layer::bounce), glm::dvec3(straight * albedo / (1 - albedo)), polyhedron);
 }
 
 // Infinite parallel plates (here 400 apart-distances wide): L1 = L_e/(1−ρ1ρ2), L2 = ρ2·L1, E2 = π·L1.
@@ -95,10 +95,10 @@ TEST(ParallelPlates, InfiniteSum) {
   const double l1 = emitted / (1 - rho1 * rho2);
   const Film lower = render(b.scene, probe({0, .5, 0}, {0, 0, 0}, 1), {16, 16}, 64);
   const Film upper = render(b.scene, probe({0, .5, 0}, {0, 1, 0}, 1), {16, 16}, 64);
-  expect_mean(over_pixels(lower, Quantity::radiance), glm::dvec3(l1), 5e-4);
-  expect_mean(over_pixels(upper, Quantity::radiance), glm::dvec3(rho2 * l1), 5e-4);
-  const Estimate straight = over_pixels(upper, Quantity::emitter);
-  const Estimate bounced = over_pixels(upper, Quantity::bounce);
+  expect_mean(over_pixels(lower, Layer::radiance), glm::dvec3(l1), 5e-4);
+  expect_mean(over_pixels(upper, Layer::radiance), glm::dvec3(rho2 * l1), 5e-4);
+  const Estimate straight = over_pixels(upper, Layer::emitter);
+  const Estimate bounced = over_pixels(upper, Layer::bounce);
   expect_mean({straight.mean + bounced.mean, straight.error + bounced.error}, glm::dvec3(pi * l1), 5e-4);
 }
 
@@ -114,7 +114,7 @@ TEST(ClosedBox, AbsorbsWhatIsEmitted) {
     const Film film = render(scene, probe(.99 * axis, axis, 1), {16, 16}, 64);
     const double area = 4;
     const glm::dvec3 kept = area * (1. - glm::dvec3(albedo));
-    for (const Quantity q : {Quantity::direct, Quantity::bounce}) absorbed += kept * over_pixels(film, q).mean;
+    for (const Layer q : {Layer::direct, Layer::bounce}) absorbed += kept * over_pixels(film, q).mean;
     // The spread over pixels is that of E itself; the film's standard errors tell the noise. Of L = ρ/π·E:
     for (int y = 0; y < 16; ++y) {
       for (int x = 0; x < 16; ++x) {
@@ -130,7 +130,7 @@ TEST(ClosedBox, AbsorbsWhatIsEmitted) {
 TEST(ClosedBox, WhiteWallsWithLimitedBouncesCountEveryBounceFully) {
   const auto scene = SceneBuilder().room(glm::vec3(-1), glm::vec3(1), {glm::vec3(1), glm::vec3(1)}).scene;
   const Film film = render(scene, inside(), {8, 8}, 16, {.bounces = 100});
-  expect_mean(over_pixels(film, Quantity::radiance), glm::dvec3(102));
+  expect_mean(over_pixels(film, Layer::radiance), glm::dvec3(102));
 }
 
 }  // namespace

@@ -222,17 +222,13 @@ Film render(const scene::Scene& scene, const scene::Camera& camera, glm::ivec2 s
   return film;
 }
 
-Estimate over_pixels(const Film& film, Quantity quantity) {
+Estimate over_pixels(const Film& film, Layer layer) {
   glm::dvec3 sum(0), squares(0);
   const double n = static_cast<double>(film.size().x) * film.size().y;
   for (int y = 0; y < film.size().y; ++y) {
     for (int x = 0; x < film.size().x; ++x) {
       const PixelSums& p = film.pixel(x, y);
-      const double count = p.count;
-      const glm::dvec3 value = quantity == Quantity::radiance  ? Film::mean(p)
-                               : quantity == Quantity::direct  ? p.direct / count
-                               : quantity == Quantity::emitter ? p.emitter / count
-                                                               : p.bounce / count;
+      const glm::dvec3 value = Film::mean(p, layer);
       sum += value;
       squares += value * value;
     }

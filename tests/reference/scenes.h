@@ -62,8 +62,7 @@ struct Estimate {
   glm::dvec3 error{0};
 };
 /// Of a quantity whose value all pixels share; the error from the spread of the pixels, which are independent.
-enum class Quantity { radiance, direct, emitter, bounce };
-Estimate over_pixels(const Film& film, Quantity quantity);
+Estimate over_pixels(const Film& film, Layer layer);
 
 /// Half-width of the confidence interval in standard errors: with 4, a true value falls outside once in 16,000.
 inline constexpr double confidence = 4;
