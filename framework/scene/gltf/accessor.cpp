@@ -32,39 +32,47 @@ float to_float(T value, bool normalized) {
   }
 }
 
+/// Elements in a run of bytes, all of which lie within it.
+struct Source {
+  Bytes bytes;
+  std::size_t offset = 0, stride = 0, count = 0, components = 1;
+  bool normalized = false;
+  Selection selection = nullptr;
+};
+
 template <class T, class Out>
-void copy_elements(Bytes bytes, std::size_t offset, std::size_t stride, std::size_t count, std::size_t components,
-                   bool normalized, Out* out) {
+void copy_elements(const Source& source, Out* out) {
+  const std::size_t count = source.selection == nullptr ? source.count : source.selection->size();
   for (std::size_t i = 0; i < count; ++i) {
-    const std::byte* at = bytes.data() + offset + i * stride;
-    for (std::size_t c = 0; c < components; ++c) {
+    const std::size_t element = source.selection == nullptr ? i : (*source.selection)[i];
+    const std::byte* at = source.bytes.data() + source.offset + element * source.stride;
+    for (std::size_t c = 0; c < source.components; ++c) {
       T value;
       std::memcpy(&value, at + c * sizeof(T), sizeof(T));
       if constexpr (std::is_same_v<Out, float>) {
-        out[i * components + c] = to_float(value, normalized);
+        *out++ = to_float(value, source.normalized);
       } else {
-        out[i * components + c] = static_cast<Out>(value);
+        *out++ = static_cast<Out>(value);
       }
     }
   }
 }
 
 template <class Out>
-void copy_by_type(int type, Bytes bytes, std::size_t offset, std::size_t stride, std::size_t count,
-                  std::size_t components, bool normalized, Out* out) {
+void copy_by_type(int type, const Source& source, Out* out) {
   switch (type) {
     case 5120:
-      return copy_elements<std::int8_t>(bytes, offset, stride, count, components, normalized, out);
+      return copy_elements<std::int8_t>(source, out);
     case 5121:
-      return copy_elements<std::uint8_t>(bytes, offset, stride, count, components, normalized, out);
+      return copy_elements<std::uint8_t>(source, out);
     case 5122:
-      return copy_elements<std::int16_t>(bytes, offset, stride, count, components, normalized, out);
+      return copy_elements<std::int16_t>(source, out);
     case 5123:
-      return copy_elements<std::uint16_t>(bytes, offset, stride, count, components, normalized, out);
+      return copy_elements<std::uint16_t>(source, out);
     case 5125:
-      return copy_elements<std::uint32_t>(bytes, offset, stride, count, components, normalized, out);
+      return copy_elements<std::uint32_t>(source, out);
     default:
-      return copy_elements<float>(bytes, offset, stride, count, components, normalized, out);
+      return copy_elements<float>(source, out);
   }
 }
 
@@ -78,8 +86,8 @@ std::vector<std::uint32_t> sparse_positions(Document& document, const Accessor& 
   const Sparse& sparse = *accessor.sparse;
   const Bytes bytes = document.view(sparse.index_view, accessor.pointer);
   std::vector<std::uint32_t> positions(sparse.count);
-  copy_by_type(sparse.index_type, bytes, sparse.index_offset, component_bytes(sparse.index_type), sparse.count, 1,
-               false, positions.data());
+  copy_by_type(sparse.index_type, {bytes, sparse.index_offset, component_bytes(sparse.index_type), sparse.count},
+               positions.data());
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (positions[i] >= accessor.count || (i > 0 && positions[i] <= positions[i - 1])) {
       document.fail(accessor.pointer, "gltf-index", "its sparse indices must rise and stay below its count");
@@ -89,35 +97,51 @@ std::vector<std::uint32_t> sparse_positions(Document& document, const Accessor& 
 }
 
 template <class Out>
-std::vector<Out> read_numbers(Document& document, int index, const std::string& user) {
-  const Accessor& accessor = document.accessors()[static_cast<std::size_t>(index)];
-  document.spend(accessor.count, user);
-  if (accessor.view < 0) {
-    // Zeros need no bytes in the file, so their number must not decide how much memory is taken.
-    constexpr std::size_t always_fine = 1u << 16;
-    if (accessor.count > std::max(always_fine, document.file_bytes())) {
-      document.fail(accessor.pointer, "gltf-limit", "has " + std::to_string(accessor.count) + " elements, but no data");
-    }
-    if (!accessor.sparse) document.warn("gltf-accessor", "has no data and is read as zeros", accessor.pointer);
-  }
+std::vector<Out> read_dense(Document& document, const Accessor& accessor, Selection selection) {
+  const auto components = static_cast<std::size_t>(accessor.components);
+  std::vector<Out> numbers((selection == nullptr ? accessor.count : selection->size()) * components);
+  if (accessor.view < 0) return numbers;
+  const std::size_t stride = document.view_stride(accessor.view);
+  copy_by_type(
+      accessor.component_type,
+      {document.view(accessor.view, accessor.pointer), accessor.offset, stride == 0 ? element_bytes(accessor) : stride,
+       accessor.count, components, accessor.normalized, selection},
+      numbers.data());
+  return numbers;
+}
+
+template <class Out>
+std::vector<Out> read_sparse_numbers(Document& document, const Accessor& accessor, Selection selection) {
   const auto components = static_cast<std::size_t>(accessor.components);
   const std::size_t element = element_bytes(accessor);
-  std::vector<Out> numbers(accessor.count * components);
-  if (accessor.view >= 0) {
-    const Bytes bytes = document.view(accessor.view, accessor.pointer);
-    const std::size_t stride = document.view_stride(accessor.view);
-    copy_by_type(accessor.component_type, bytes, accessor.offset, stride == 0 ? element : stride, accessor.count,
-                 components, accessor.normalized, numbers.data());
+  std::vector<Out> all = read_dense<Out>(document, accessor, nullptr);
+  const std::vector<std::uint32_t> positions = sparse_positions(document, accessor);
+  const Bytes bytes = document.view(accessor.sparse->value_view, accessor.pointer);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    copy_by_type(accessor.component_type,
+                 {bytes, accessor.sparse->value_offset + i * element, element, 1, components, accessor.normalized},
+                 all.data() + positions[i] * components);
   }
-  if (accessor.sparse) {
-    const std::vector<std::uint32_t> positions = sparse_positions(document, accessor);
-    const Bytes bytes = document.view(accessor.sparse->value_view, accessor.pointer);
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      copy_by_type(accessor.component_type, bytes, accessor.sparse->value_offset + i * element, element, 1, components,
-                   accessor.normalized, numbers.data() + positions[i] * components);
-    }
+  if (selection == nullptr) return all;
+  std::vector<Out> numbers;
+  numbers.reserve(selection->size() * components);
+  for (const std::uint32_t i : *selection) {
+    const auto from = all.begin() + static_cast<std::ptrdiff_t>(i * components);
+    numbers.insert(numbers.end(), from, from + static_cast<std::ptrdiff_t>(components));
   }
   return numbers;
+}
+
+template <class Out>
+std::vector<Out> read_numbers(Document& document, int index, const std::string& user, Selection selection) {
+  const Accessor& accessor = document.accessors()[static_cast<std::size_t>(index)];
+  document.check_count(accessor);
+  if (accessor.view < 0 && !accessor.sparse) {
+    document.warn("gltf-accessor", "has no data and is read as zeros", accessor.pointer);
+  }
+  document.spend(selection == nullptr ? accessor.count : selection->size(), user);
+  return accessor.sparse ? read_sparse_numbers<Out>(document, accessor, selection)
+                         : read_dense<Out>(document, accessor, selection);
 }
 
 }  // namespace
@@ -150,6 +174,13 @@ Accessor Document::read_accessor(const Value& value) {
   }
   if (const std::optional<Value> sparse = value.find("sparse")) accessor.sparse = read_sparse(*sparse, accessor);
   return accessor;
+}
+
+void Document::check_count(const Accessor& accessor) const {
+  constexpr std::size_t always_fine = 1u << 16;
+  if (accessor.view < 0 && accessor.count > std::max(always_fine, total_bytes_)) {
+    fail(accessor.pointer, "gltf-limit", "has " + std::to_string(accessor.count) + " elements, but no data");
+  }
 }
 
 void Document::check_range(const Accessor& accessor, std::size_t element) {
@@ -196,8 +227,8 @@ Sparse Document::read_sparse(const Value& value, const Accessor& accessor) {
   return sparse;
 }
 
-std::vector<float> read_floats(Document& document, int accessor, const std::string& user) {
-  return read_numbers<float>(document, accessor, user);
+std::vector<float> read_floats(Document& document, int accessor, const std::string& user, Selection selection) {
+  return read_numbers<float>(document, accessor, user, selection);
 }
 
 std::vector<std::uint32_t> read_indices(Document& document, int accessor, const std::string& user) {
@@ -206,7 +237,7 @@ std::vector<std::uint32_t> read_indices(Document& document, int accessor, const 
   if (a.components != 1 || !is_unsigned || a.normalized) {
     document.fail(user, "gltf-type", a.pointer + " must hold unsigned integer scalars");
   }
-  return read_numbers<std::uint32_t>(document, accessor, user);
+  return read_numbers<std::uint32_t>(document, accessor, user, nullptr);
 }
 
 }  // namespace loom::scene::gltf

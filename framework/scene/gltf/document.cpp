@@ -61,6 +61,8 @@ Document::Document(const std::string& path, Diagnostics& diagnostics)
   parse_json(json_text_);
   check_asset();
   read_buffers();
+  total_bytes_ = file_.size();
+  for (const std::vector<std::byte>& buffer_bytes : owned_) total_bytes_ += buffer_bytes.size();
   read_views();
   read_accessors();
 }
@@ -227,9 +229,15 @@ Bytes Document::view(int index, const std::string& user) {
 }
 
 void Document::spend(std::size_t elements, const std::string& user) {
-  if (elements > max_elements - spent_) {
-    fail(user, "gltf-limit", "the file holds more than " + std::to_string(max_elements) + " vertices, indices and keys",
-         "split the scene or simplify its meshes");
+  // A compressed mesh may have some ten vertices and indices a byte, and meshes may share vertices.
+  constexpr std::size_t always_fine = std::size_t{1} << 22;
+  constexpr std::size_t elements_per_byte = 16;
+  const std::size_t limit = always_fine + elements_per_byte * total_bytes_;
+  if (elements > limit - spent_) {
+    fail(user, "gltf-limit",
+         "the file asks for more than " + std::to_string(limit) + " vertices, indices and keys, which its " +
+             std::to_string(total_bytes_) + " bytes do not account for",
+         "let every primitive have accessors of its own");
   }
   spent_ += elements;
 }

@@ -19,10 +19,6 @@ using Bytes = std::span<const std::byte>;
 
 /// Largest file that is read: what a GLB header can express.
 inline constexpr std::size_t max_file_bytes = std::size_t{1} << 32;
-/// Vertices, indices or keys over the whole file, so that a small file which names one accessor a million times cannot
-/// fill the memory.
-inline constexpr std::size_t max_elements = std::size_t{1} << 27;
-
 struct Sparse {
   std::size_t count = 0;
   int index_view = -1;
@@ -55,7 +51,8 @@ class Document {
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] const std::string& folder() const { return folder_; }
   [[nodiscard]] const std::vector<Accessor>& accessors() const { return accessors_; }
-  [[nodiscard]] std::size_t file_bytes() const { return file_.size(); }
+  /// Of the file and its buffers.
+  [[nodiscard]] std::size_t file_bytes() const { return total_bytes_; }
   [[nodiscard]] std::size_t view_count() const { return views_.size(); }
 
   /// The bytes of a buffer view, decompressed at first use. `user` is named where it has none.
@@ -63,7 +60,11 @@ class Document {
   /// Bytes between elements, 0 = tightly packed.
   [[nodiscard]] std::size_t view_stride(int index) const { return views_[static_cast<std::size_t>(index)].stride; }
 
-  /// Counts against max_elements; throws BadInput beyond it.
+  /// Zeros need no bytes in the file, so their number must not decide how much memory is taken: throws BadInput where
+  /// it would.
+  void check_count(const Accessor& accessor) const;
+  /// Counts vertices, indices and keys that are read. A small file that names one accessor a million times must not
+  /// fill the memory: throws BadInput beyond what its bytes account for.
   void spend(std::size_t elements, const std::string& user);
   void warn(std::string code, std::string message, const std::string& pointer = {}, std::string hint = {});
   void note(std::string code, std::string message, const std::string& pointer = {});
@@ -107,6 +108,7 @@ class Document {
   std::vector<Bytes> buffers_;  ///< empty: a fallback that only an uncompressed reader would need
   std::vector<View> views_;
   std::vector<Accessor> accessors_;
+  std::size_t total_bytes_ = 0;
   std::size_t spent_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glm/common.hpp>
 
@@ -21,15 +22,36 @@ class Attributes {
       : document_(document), names_(primitive.require("attributes")), primitive_(primitive) {
     if (const std::optional<Value> packed = primitive.extension("KHR_draco_mesh_compression")) {
       draco_ = decode_draco(document, primitive, *packed);
+    } else if (has("POSITION")) {
+      document.check_count(position());
     }
   }
 
   [[nodiscard]] bool has(const std::string& name) const { return names_.has(name); }
   [[nodiscard]] const std::optional<DracoMesh>& draco() const { return draco_; }
 
-  /// Vectors of T, widened with `fill` where the file has one component less; empty where it has no such attribute.
+  [[nodiscard]] std::size_t vertices() const { return position().count; }
+
+  /// From here on read() returns the vertices that `indices` refer to, which become indices into those: several
+  /// primitives may share one large set of vertices.
+  void keep_used(std::vector<std::uint32_t>& indices) {
+    constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> place(vertices(), unused);
+    for (const std::uint32_t i : indices) place[i] = 0;
+    used_.clear();
+    for (std::uint32_t i = 0; i < place.size(); ++i) {
+      if (place[i] == unused) continue;
+      place[i] = static_cast<std::uint32_t>(used_.size());
+      used_.push_back(i);
+    }
+    selective_ = used_.size() < place.size();
+    for (std::uint32_t& i : indices) i = place[i];
+  }
+
+  /// Vectors of T of the vertices that are used, widened with `fill` where the file has one component less; empty where
+  /// it has no such attribute.
   template <class T>
-  std::vector<T> read(const std::string& name, std::size_t vertices, float fill = 0) {
+  std::vector<T> read(const std::string& name, float fill = 0) {
     const std::optional<Value> value = names_.find(name);
     if (!value) return {};
     const int index = value->as_index(document_.accessors().size(), "accessors");
@@ -40,48 +62,56 @@ class Attributes {
       value->fail("gltf-type", accessor.pointer + " has " + std::to_string(accessor.components) + " components, but " +
                                    name + " needs " + std::to_string(components));
     }
-    if (vertices != 0 && accessor.count != vertices) {
-      value->fail("gltf-index",
-                  "has " + std::to_string(accessor.count) + " elements, but POSITION has " + std::to_string(vertices));
+    if (accessor.count != vertices()) {
+      value->fail("gltf-index", "has " + std::to_string(accessor.count) + " elements, but POSITION has " +
+                                    std::to_string(vertices()));
     }
-    const std::vector<float>* numbers = from_draco(name);
+    const std::vector<float>* packed = from_draco(name);
     std::vector<float> plain;
-    if (numbers == nullptr) {
-      plain = read_floats(document_, index, value->pointer());
-      numbers = &plain;
-    }
-    std::vector<T> result(accessor.count);
-    for (std::size_t i = 0; i < accessor.count; ++i) {
+    if (packed == nullptr) plain = read_floats(document_, index, value->pointer(), selective_ ? &used_ : nullptr);
+    std::vector<T> result(selective_ ? used_.size() : accessor.count);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      // Draco's values are all there; plain ones were selected on reading.
+      const std::size_t from = packed != nullptr && selective_ ? used_[i] : i;
+      const float* numbers =
+          (packed != nullptr ? packed : &plain)->data() + from * static_cast<std::size_t>(components);
       for (int c = 0; c < T::length(); ++c) {
-        const float number =
-            c < components ? (*numbers)[i * static_cast<std::size_t>(components) + static_cast<std::size_t>(c)] : fill;
-        result[i][c] = static_cast<typename T::value_type>(number);
+        result[i][c] = static_cast<typename T::value_type>(c < components ? numbers[c] : fill);
       }
     }
     return result;
   }
 
-  [[nodiscard]] std::vector<std::uint32_t> indices(std::size_t vertices) {
-    if (draco_) return draco_->indices;
+  [[nodiscard]] std::vector<std::uint32_t> indices() {
+    const std::size_t count = vertices();
+    if (draco_) {
+      if (draco_->vertices != count) primitive_.fail("gltf-compression", "its POSITION is not part of the Draco mesh");
+      return draco_->indices;
+    }
     const int index = primitive_.index("indices", document_.accessors().size(), "accessors");
     std::vector<std::uint32_t> list;
     if (index < 0) {
-      document_.spend(vertices, primitive_.pointer());
-      list.resize(vertices);
-      for (std::size_t i = 0; i < vertices; ++i) list[i] = static_cast<std::uint32_t>(i);
+      document_.spend(count, primitive_.pointer());
+      list.resize(count);
+      for (std::size_t i = 0; i < count; ++i) list[i] = static_cast<std::uint32_t>(i);
       return list;
     }
     list = read_indices(document_, index, primitive_.pointer() + "/indices");
     for (const std::uint32_t i : list) {
-      if (i >= vertices) {
+      if (i >= count) {
         primitive_.fail("gltf-index",
-                        "has the index " + std::to_string(i) + ", but " + std::to_string(vertices) + " vertices");
+                        "has the index " + std::to_string(i) + ", but " + std::to_string(count) + " vertices");
       }
     }
     return list;
   }
 
  private:
+  [[nodiscard]] const Accessor& position() const {
+    const int index = names_.required_index("POSITION", document_.accessors().size(), "accessors");
+    return document_.accessors()[static_cast<std::size_t>(index)];
+  }
+
   const std::vector<float>* from_draco(const std::string& name) const {
     if (!draco_) return nullptr;
     for (const DracoMesh::Attribute& attribute : draco_->attributes) {
@@ -94,6 +124,8 @@ class Attributes {
   Value names_;
   Value primitive_;
   std::optional<DracoMesh> draco_;
+  std::vector<std::uint32_t> used_;
+  bool selective_ = false;
 };
 
 /// Strips and fans as lists; the order of a strip's odd triangles is turned so that all face the same way.
@@ -116,8 +148,8 @@ std::vector<std::uint32_t> as_triangles(const std::vector<std::uint32_t>& list, 
 }
 
 /// Texture coordinates that are not finite sample nothing sensible; they become 0.
-std::vector<glm::vec2> read_uvs(Attributes& attributes, int set, std::size_t vertices) {
-  std::vector<glm::vec2> uvs = attributes.read<glm::vec2>("TEXCOORD_" + std::to_string(set), vertices);
+std::vector<glm::vec2> read_uvs(Attributes& attributes, int set) {
+  std::vector<glm::vec2> uvs = attributes.read<glm::vec2>("TEXCOORD_" + std::to_string(set));
   for (glm::vec2& uv : uvs) {
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0);
   }
@@ -127,10 +159,9 @@ std::vector<glm::vec2> read_uvs(Attributes& attributes, int set, std::size_t ver
 /// Every texture of the material must find the coordinates that it reads.
 void read_texture_coordinates(Attributes& attributes, const LoadedMaterial* material, Primitive& primitive,
                               MeshReport& report) {
-  const std::size_t vertices = primitive.positions.size();
   const auto slot = [&](int index, std::vector<glm::vec2>& uvs) {
     const int wanted = material == nullptr ? -1 : material->uv_sets[static_cast<std::size_t>(index)];
-    uvs = read_uvs(attributes, wanted < 0 ? index : wanted, vertices);
+    uvs = read_uvs(attributes, wanted < 0 ? index : wanted);
     if (wanted >= 0 && uvs.empty() && uses_slot(material->material, index)) ++report.without_texcoords;
   };
   slot(0, primitive.uv0);
@@ -138,7 +169,7 @@ void read_texture_coordinates(Attributes& attributes, const LoadedMaterial* mate
 }
 
 void read_colors(Attributes& attributes, Primitive& primitive) {
-  primitive.colors = attributes.read<glm::vec4>("COLOR_0", primitive.positions.size(), 1);
+  primitive.colors = attributes.read<glm::vec4>("COLOR_0", 1);
   for (glm::vec4& color : primitive.colors) {
     // A reflectance over 1 would make light out of nothing.
     for (int c = 0; c < 4; ++c) color[c] = std::isfinite(color[c]) ? glm::clamp(color[c], 0.0f, 1.0f) : 1.0f;
@@ -146,12 +177,11 @@ void read_colors(Attributes& attributes, Primitive& primitive) {
 }
 
 void read_influences(Attributes& attributes, const Value& value, Primitive& primitive, MeshReport& report) {
-  const std::size_t vertices = primitive.positions.size();
   if (attributes.has("JOINTS_0") != attributes.has("WEIGHTS_0")) {
     value.fail("gltf-missing", "has JOINTS_0 or WEIGHTS_0, but not both");
   }
-  primitive.joints = attributes.read<glm::u16vec4>("JOINTS_0", vertices);
-  primitive.weights = attributes.read<glm::vec4>("WEIGHTS_0", vertices);
+  primitive.joints = attributes.read<glm::u16vec4>("JOINTS_0");
+  primitive.weights = attributes.read<glm::vec4>("WEIGHTS_0");
   for (std::size_t i = 0; i < primitive.weights.size(); ++i) {
     glm::vec4& w = primitive.weights[i];
     for (int c = 0; c < 4; ++c) w[c] = std::isfinite(w[c]) ? std::max(w[c], 0.0f) : 0.0f;
@@ -189,17 +219,14 @@ std::optional<Primitive> read_primitive(Document& document, const Value& value,
   primitive.material = value.index("material", materials.size(), "materials");
   const LoadedMaterial* material =
       primitive.material < 0 ? nullptr : &materials[static_cast<std::size_t>(primitive.material)];
-  primitive.positions = attributes.read<glm::vec3>("POSITION", 0);
-  const std::size_t vertices = primitive.positions.size();
-  if (attributes.draco() && attributes.draco()->vertices != vertices) {
-    value.fail("gltf-compression", "its POSITION is not part of the Draco mesh");
-  }
-  primitive.normals = attributes.read<glm::vec3>("NORMAL", vertices);
-  primitive.tangents = attributes.read<glm::vec4>("TANGENT", vertices);
+  primitive.indices = as_triangles(attributes.indices(), attributes.draco() ? mode_triangles : mode);
+  attributes.keep_used(primitive.indices);
+  primitive.positions = attributes.read<glm::vec3>("POSITION");
+  primitive.normals = attributes.read<glm::vec3>("NORMAL");
+  primitive.tangents = attributes.read<glm::vec4>("TANGENT");
   read_texture_coordinates(attributes, material, primitive, report);
   read_colors(attributes, primitive);
   if (skinned) read_influences(attributes, value, primitive, report);
-  primitive.indices = as_triangles(attributes.indices(vertices), attributes.draco() ? mode_triangles : mode);
 
   const Repairs repairs = repair(primitive, !primitive.joints.empty());
   report.repairs.non_finite += repairs.non_finite;
