@@ -153,7 +153,8 @@ void make_tangents(Primitive& p, const std::vector<glm::vec2>& uvs) {
     const glm::dvec3 flat = along_u[i] - n * glm::dot(n, along_u[i]);
     const double length = glm::length(flat);
     const glm::dvec3 tangent = length > 0 ? flat / length : any_orthogonal(n);
-    const double sign = glm::dot(glm::cross(n, tangent), along_v[i]) < 0 ? -1 : 1;
+    // glTF: bitangent = w · (n × t) is the image's up, where v falls.
+    const double sign = glm::dot(glm::cross(n, tangent), along_v[i]) > 0 ? -1 : 1;
     p.tangents[i] = glm::vec4(glm::vec3(tangent), static_cast<float>(sign));
   }
 }

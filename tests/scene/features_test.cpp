@@ -1,12 +1,12 @@
 // Every file of the feature collection loads with the triangles, bounds, lights and cameras that its notes list.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include <glm/geometric.hpp>
 
+#include "files.h"
 #include "scene/load.h"
 
 namespace {
@@ -92,9 +92,8 @@ const Expected features[] = {
 class Features : public testing::TestWithParam<Expected> {};
 
 TEST_P(Features, LoadsAsNoted) {
-  const char* scenes = std::getenv("LOOM_SCENES");
-  const std::string path = std::string(scenes == nullptr ? "" : scenes) + "/" + GetParam().file;
-  if (scenes == nullptr || !std::filesystem::exists(path)) GTEST_SKIP() << "absent: $LOOM_SCENES/" << GetParam().file;
+  const std::string path = (loom::test::scenes_folder() / GetParam().file).string();
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "absent: $LOOM_SCENES/" << GetParam().file;
   Diagnostics diagnostics;
   const Scene scene = loom::scene::load_gltf(path, diagnostics);
   const SceneFacts facts = loom::scene::compute_facts(scene);

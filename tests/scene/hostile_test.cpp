@@ -15,13 +15,14 @@
 
 #include "files.h"
 #include "scene/load.h"
+#include "support/temp_dir.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using loom::BadInput;
 using loom::Diagnostics;
-using loom::test::TempFolder;
+using loom::test::TempDir;
 using testing::HasSubstr;
 
 struct Outcome {
@@ -91,7 +92,7 @@ TEST(InvalidCollection, EndsInAnErrorOrAWarning) {
 TEST(Hostile, DamagedBytes) {
   const fs::path folder = loom::test::scenes_folder() / "gltf-features";
   if (!fs::exists(folder)) GTEST_SKIP() << "absent: $LOOM_SCENES/gltf-features";
-  const TempFolder temp;
+  const TempDir temp;
   std::uint32_t random = 1;
   for (const char* name :
        {"BoxMeshopt/BoxMeshopt.glb", "BoxInterleaved/BoxInterleaved.glb", "box_sparse/box_sparse.glb",
@@ -123,7 +124,7 @@ std::string with_accessor(const std::string& accessor, const std::string& more =
 }
 
 TEST(Hostile, NamesTheFileThePlaceAndTheMistake) {
-  const TempFolder temp;
+  const TempDir temp;
   const struct {
     std::string text, expected;
   } cases[] = {
@@ -166,7 +167,7 @@ TEST(Hostile, NamesTheFileThePlaceAndTheMistake) {
 }
 
 TEST(Hostile, DeepNestingIsNoStackOverflow) {
-  const TempFolder temp;
+  const TempDir temp;
   const std::string deep(1u << 20, '[');
   EXPECT_TRUE(load(temp.write("deep.gltf", R"({"asset":{"version":"2.0","extras":)" + deep)).refused);
   const std::string closed = deep + std::string(deep.size(), ']');
@@ -174,7 +175,7 @@ TEST(Hostile, DeepNestingIsNoStackOverflow) {
 }
 
 TEST(Hostile, AManyTimesNamedAccessorHasALimit) {
-  const TempFolder temp;
+  const TempDir temp;
   // Two hundred kilobytes that ask for 262 million vertices.
   std::string primitives;
   for (int i = 0; i < 4000; ++i) primitives += std::string(i == 0 ? "" : ",") + R"({"attributes":{"POSITION":0}})";

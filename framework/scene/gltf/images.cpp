@@ -114,7 +114,7 @@ void Images::decode(Job& job) {
   int height = 0;
   int channels = 0;
   if (size == 0 || stbi_info_from_memory(data, size, &width, &height, &channels) == 0) {
-    job.failure = "is neither PNG nor JPEG";
+    job.failure = size == 0 ? "is empty" : std::string("is no PNG or JPEG that can be read: ") + stbi_failure_reason();
     return;
   }
   if (width < 1 || height < 1 || width > max_side || height > max_side) {
