@@ -35,8 +35,9 @@ struct Member {
   const char* define;
 };
 // In the order of the fragment shader's locations.
-// Half floats: a unit vector's component is off by 2⁻¹² at most (a slope of .014°), an albedo by 2⁻¹² of itself, also
-// where it is dark. Depth rebuilds positions and emission may be 1e6 W/(m² sr): both keep all 24 bits.
+// Half floats: a unit vector's component is off by 2⁻¹¹ at most (a slope of .03°; drivers may round or cut off), an
+// albedo by 2⁻¹¹ of itself, also where it is dark. Depth rebuilds positions and emission may be 1e6 W/(m² sr), beyond
+// half floats: both keep all 24 bits.
 constexpr std::array<Member, 5> members{{
     {"surface.depth", "depth", Format::r32f, "DEPTH"},
     {"surface.normal", "normal", Format::rgba16f, "NORMAL"},

@@ -17,28 +17,22 @@ layout(std430) readonly restrict buffer scene_triangles { vec4 triangle_normals[
 uniform sampler2D material_base_color;  // linear rgb (decoded from sRGB) and alpha
 uniform sampler2D material_emissive;    // linear rgb
 uniform sampler2D material_metallic;    // b: metallic
-
-vec2 material_uv(TextureTransform transform) {
-  vec3 uv = vec3(transform.row0.w > .5 ? vertex.uv.zw : vertex.uv.xy, 1);
-  return vec2(dot(transform.row0.xyz, uv), dot(transform.row1.xyz, uv));
-}
 #endif
 #ifdef SCENE_NORMAL_MAPS
 uniform sampler2D material_normal;
 #endif
 
-uint material_flags() { return materials[vertex.ids.x].flags.x; }
-bool has_flag(uint flag) { return (material_flags() & flag) != 0u; }
+bool has_flag(uint flag) { return (vertex.ids.z & flag) != 0u; }
 
 // True on the counter-clockwise side, whatever the transform.
-bool surface_front() { return gl_FrontFacing != (vertex.ids.z != 0u); }
+bool surface_front() { return gl_FrontFacing != has_flag(SCENE_MIRRORED); }
 
 // Base colour and alpha before the cutoff.
 vec4 surface_base_color() {
   vec4 base = materials[vertex.ids.x].base_color * vertex.color;
 #ifdef SCENE_TEXTURES
   if (has_flag(MATERIAL_BASE_COLOR_TEXTURE)) {
-    base *= texture(material_base_color, material_uv(materials[vertex.ids.x].base_color_uv));
+    base *= texture(material_base_color, vertex.base_color_uv);
   }
 #endif
   return base;
@@ -52,7 +46,7 @@ bool surface_visible() {
   float alpha = materials[vertex.ids.x].base_color.a * vertex.color.a;
 #ifdef SCENE_TEXTURES
   if (has_flag(MATERIAL_BASE_COLOR_TEXTURE)) {
-    alpha *= textureLod(material_base_color, material_uv(materials[vertex.ids.x].base_color_uv), 0.).a;
+    alpha *= textureLod(material_base_color, vertex.base_color_uv, 0.).a;
   }
 #endif
   return alpha >= materials[vertex.ids.x].emissive.w;
@@ -65,7 +59,7 @@ vec3 surface_albedo() {
   float metallic = materials[vertex.ids.x].factors.x;
 #ifdef SCENE_TEXTURES
   if (has_flag(MATERIAL_METALLIC_TEXTURE)) {
-    metallic *= texture(material_metallic, material_uv(materials[vertex.ids.x].metallic_uv)).b;
+    metallic *= texture(material_metallic, vertex.metallic_uv).b;
   }
 #endif
   return surface_base_color().rgb * (1. - metallic);
@@ -77,7 +71,7 @@ vec3 surface_emission() {
   vec3 radiance = materials[vertex.ids.x].emissive.rgb;
 #ifdef SCENE_TEXTURES
   if (has_flag(MATERIAL_EMISSIVE_TEXTURE)) {
-    radiance *= texture(material_emissive, material_uv(materials[vertex.ids.x].emissive_uv)).rgb;
+    radiance *= texture(material_emissive, vertex.emissive_uv).rgb;
   }
 #endif
   return radiance;
@@ -97,8 +91,8 @@ vec3 surface_normal() {
   if (has_flag(MATERIAL_NORMAL_TEXTURE)) {
     // The tangent is made orthogonal to the interpolated normal; a mirroring transform turns n × t around.
     vec3 t = normalize_or(vertex.tangent.xyz - n * dot(n, vertex.tangent.xyz), orthonormal_basis(n)[0]);
-    vec3 b = cross(n, t) * (vertex.tangent.w < 0. ? -1. : 1.) * (vertex.ids.z != 0u ? -1. : 1.);
-    vec3 m = 2. * texture(material_normal, material_uv(materials[vertex.ids.x].normal_uv)).xyz - 1.;
+    vec3 b = cross(n, t) * (vertex.tangent.w < 0. ? -1. : 1.) * (has_flag(SCENE_MIRRORED) ? -1. : 1.);
+    vec3 m = 2. * texture(material_normal, vertex.normal_uv).xyz - 1.;
     m.xy *= materials[vertex.ids.x].factors.y;
     n = normalize_or(mat3(t, b, n) * m, n);
   }

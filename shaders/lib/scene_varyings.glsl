@@ -10,12 +10,42 @@ SCENE_VARYING SceneVaryings {
   vec3 position;  // world, metres
   vec3 normal;    // world, not unit
   vec4 color;     // linear; multiplies the base colour
+  // Coordinates and flags are looked up at the vertices. In fragments, the lanes beside a triangle, which exist for
+  // derivatives alone, may read zeros from a storage block (llvmpipe), and the mip level would be wrong along every edge.
 #ifdef SCENE_TEXTURES
-  vec4 uv;        // xy: set 0, zw: set 1
+  vec2 base_color_uv, emissive_uv, metallic_uv;  // after the texture transform
 #endif
 #ifdef SCENE_NORMAL_MAPS
-  vec4 tangent;   // world; w: ±1, side of the bitangent
+  vec2 normal_uv;
+  vec4 tangent;  // world; w: ±1, side of the bitangent
 #endif
-  flat uvec4 ids;  // x: material, y: first triangle, z: 1 = mirrored (Draw::material); w: draw
+  flat uvec4 ids;  // x: material, y: first triangle, z: MATERIAL_* and SCENE_MIRRORED, w: draw
 } vertex;
+
+// Copies every member; for a geometry stage in between.
+#ifdef SCENE_TEXTURES
+#define SCENE_COPY_UVS(to, from)           \
+  to.base_color_uv = from.base_color_uv;   \
+  to.emissive_uv = from.emissive_uv;       \
+  to.metallic_uv = from.metallic_uv
+#else
+#define SCENE_COPY_UVS(to, from)
+#endif
+#ifdef SCENE_NORMAL_MAPS
+#define SCENE_COPY_TANGENTS(to, from) \
+  to.normal_uv = from.normal_uv;      \
+  to.tangent = from.tangent
+#else
+#define SCENE_COPY_TANGENTS(to, from)
+#endif
+#define SCENE_COPY_VARYINGS(to, from) \
+  to.position = from.position;        \
+  to.normal = from.normal;            \
+  to.color = from.color;              \
+  SCENE_COPY_UVS(to, from);           \
+  SCENE_COPY_TANGENTS(to, from);      \
+  to.ids = from.ids
+
+// Among the flags of `ids`: the transform turns counter-clockwise into clockwise.
+#define SCENE_MIRRORED 0x80000000u
 #endif

@@ -33,16 +33,7 @@ void main() {
     gl_Position = clip[i];
     gl_Layer = layer;
     gl_PrimitiveID = gl_PrimitiveIDIn;
-    vertex.position = vertex_in[i].position;
-    vertex.normal = vertex_in[i].normal;
-    vertex.color = vertex_in[i].color;
-#ifdef SCENE_TEXTURES
-    vertex.uv = vertex_in[i].uv;
-#endif
-#ifdef SCENE_NORMAL_MAPS
-    vertex.tangent = vertex_in[i].tangent;
-#endif
-    vertex.ids = vertex_in[i].ids;
+    SCENE_COPY_VARYINGS(vertex, vertex_in[i]);
     EmitVertex();
   }
 }

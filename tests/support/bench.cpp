@@ -173,7 +173,7 @@ void Bench::render(const std::string& pipeline, const RenderOptions& options) {
   if (!result.graph) throw BadInput(result.diagnostics);
   renderer_ = graph::Renderer::create(std::move(*result.graph), device_,
                                       {.poison = options.poison, .fingerprints = options.prune});
-  block_ = scene::make_camera(camera_, scene_, options.size);
+  block_ = scene::make_camera(camera_, scene_, options.size, options.jitter);
   for (int i = 0; i < options.frames; ++i)
     renderer_->render(*gpu_, block_, {.index = static_cast<std::uint64_t>(i), .seed = options.seed});
 }
@@ -194,7 +194,8 @@ Texels Bench::read(const std::string& output) const {
 bool Bench::absent(const std::string& output) const { return renderer_->output(output) == nullptr; }
 
 glm::dvec3 Bench::position(int x, int y, double depth) const {
-  const glm::dvec2 s = 2. * (glm::dvec2(x, y) + .5) * glm::dvec2(block_.size.z, block_.size.w) - 1.;
+  const glm::dvec2 shift(block_.right.w, block_.up.w);
+  const glm::dvec2 s = 2. * (glm::dvec2(x, y) + .5) * glm::dvec2(block_.size.z, block_.size.w) - 1. + shift;
   const glm::dvec3 across = s.x * glm::dvec3(block_.right) + s.y * glm::dvec3(block_.up);
   if (block_.eye.w > .5f) return glm::dvec3(block_.eye) + across + depth * glm::dvec3(block_.forward);
   return glm::dvec3(block_.eye) + depth * glm::normalize(glm::dvec3(block_.forward) + across);

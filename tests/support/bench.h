@@ -61,6 +61,7 @@ struct RenderOptions {
   bool poison = false;
   std::uint32_t seed = 0;
   int frames = 1;
+  glm::dvec2 jitter{0};  ///< shift of the samples, pixels
 };
 
 /// One scene, ready to be rendered with any pipeline. Owns the renderer of the last one.
