@@ -22,6 +22,7 @@ Declared::Reflect node(TextureDesc desc, Access in, Access out) {
     ports.out("image", "Image").texture("image", desc, out);
     ports.scratch("tmp", desc, Access::image_read_write);
     ports.scratch("list", BufferDesc{.bytes = 64U * static_cast<unsigned>(desc.width)});
+    ports.scratch("long_list", BufferDesc{.bytes = 96U * static_cast<unsigned>(desc.width)});
   };
 }
 
