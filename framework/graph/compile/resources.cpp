@@ -25,6 +25,7 @@ class ResourceMaker {
   ResourceMaker(Draft& draft, const Liveness& alive, CompiledGraph& graph)
       : draft_(draft), alive_(alive), graph_(graph) {
     position_.assign(draft.passes.size(), none);
+    state_.resize(draft.passes.size());
     current_.resize(draft.versions.size());
     previous_.resize(draft.versions.size());
     bundle_.assign(draft.versions.size(), none);
@@ -104,9 +105,9 @@ class ResourceMaker {
     }
     for (const auto& wire : pass.wires) use_input(pass, wire, here);
     for (const auto& decl : pass.ports.scratches)
-      add(pass.name() + ".scratch." + decl.name, decl, Lifetime::transient, here, here);
+      state_[at(index)].push_back(add(pass.name() + ".scratch." + decl.name, decl, Lifetime::transient, here, here));
     for (const auto& decl : pass.ports.persistents)
-      add(pass.name() + ".persistent." + decl.name, decl, Lifetime::persistent, 0, end_);
+      state_[at(index)].push_back(add(pass.name() + ".persistent." + decl.name, decl, Lifetime::persistent, 0, end_));
   }
 
   /// Outputs that another pass changes in place, or that are swapped with their last frame, do not stay as they are.
@@ -260,19 +261,13 @@ class ResourceMaker {
     return port;
   }
 
-  /// "scratch" and "persistent"; their resources bear the pass's name.
-  void bind_state(const DraftPass& pass, const char* name, const std::vector<MemberDecl>& decls, CompiledPass& out) {
+  /// "scratch" or "persistent", whose resources start at `resource`.
+  static void bind_state(const char* name, const std::vector<MemberDecl>& decls, const int* resource,
+                         CompiledPass& out) {
     if (decls.empty()) return;
     BoundPort port{.name = name, .connected = true};
-    for (const auto& decl : decls) {
-      const std::string path = pass.name() + '.' + name + '.' + decl.name;
-      const auto it = std::find_if(graph_.resources.begin(), graph_.resources.end(),
-                                   [&](const Resource& resource) { return resource.name == path; });
-      port.members.push_back(
-          {.name = decl.name,
-           .resource = it == graph_.resources.end() ? none : static_cast<int>(it - graph_.resources.begin()),
-           .access = decl.access});
-    }
+    for (const auto& decl : decls)
+      port.members.push_back({.name = decl.name, .resource = *resource++, .access = decl.access});
     out.bound.push_back(std::move(port));
   }
 
@@ -281,14 +276,16 @@ class ResourceMaker {
     for (const auto& input : pass.ports.inputs) out.bound.push_back(bind_input(pass, input));
     for (std::size_t i = 0; i < pass.ports.outputs.size(); ++i) out.bound.push_back(bind_output(pass, i));
     if (position_[at(index)] == none) return;
-    bind_state(pass, "scratch", pass.ports.scratches, out);
-    bind_state(pass, "persistent", pass.ports.persistents, out);
+    const int* state = state_[at(index)].data();
+    bind_state("scratch", pass.ports.scratches, state, out);
+    bind_state("persistent", pass.ports.persistents, state + pass.ports.scratches.size(), out);
   }
 
   Draft& draft_;
   const Liveness& alive_;
   CompiledGraph& graph_;
   std::vector<int> position_;              // by pass, in graph_.order
+  std::vector<std::vector<int>> state_;    // by pass: resources of scratches, then persistents
   std::vector<std::vector<int>> current_;  // by root version and member: resource
   std::vector<std::vector<int>> previous_;
   std::vector<int> bundle_, previous_bundle_;  // by root version
