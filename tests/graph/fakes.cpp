@@ -32,7 +32,7 @@ class Tuned : public Pass {
 
  private:
   int iterations_ = 16;
-  float radius_ = 1;
+  float radius_ = 0.7F;
   bool exact_ = false;
   std::string basis_ = "sh";
   std::string label_ = "none";
