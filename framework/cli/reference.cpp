@@ -19,7 +19,6 @@
 #include "reference/film.h"
 #include "reference/path_tracer.h"
 #include "reference/run.h"
-#include "scene/gpu_scene.h"
 #include "scene/load.h"
 
 namespace loom::cli {
@@ -190,13 +189,10 @@ void render(const Arguments& arguments, const Session& session) {
   if (film.least_count() > 0) note("going on from " + std::to_string(film.least_count()) + " spp in " + film_path);
 
   // Positions become float relative to the eye: exact where it matters, however far from the origin that is.
-  scene::Camera camera = setup.camera;
-  const glm::dvec3 origin = camera.eye;
+  const glm::dvec3 origin = setup.camera.eye;
   const reference::PathTracer tracer(setup.scene, origin, options);
-  camera.target -= origin;
-  camera.eye = glm::dvec3(0);
   Report progress;
-  reference::run(tracer, film, scene::make_camera(camera, setup.scene, size), target, {.path = film_path},
+  reference::run(tracer, film, reference::view_of(setup.camera, setup.scene, size, origin), target, {.path = film_path},
                  [&](const reference::Progress& p) { return progress(p); });
   progress.clear();
   finish(film, arguments, session, progress.convergence());

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <tbb/blocked_range2d.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -14,6 +15,7 @@
 #include "reference/integrator.h"
 #include "reference/lights.h"
 #include "reference/sampler.h"
+#include "scene/gpu_scene.h"
 
 namespace loom::reference {
 namespace {
@@ -49,6 +51,14 @@ FilmIdentity identify(const scene::Scene& scene, const scene::Camera& camera, gl
   return {hash.value(), options.bounces};
 }
 
+interop::Camera view_of(const scene::Camera& camera, const scene::Scene& scene, glm::ivec2 size,
+                        const glm::dvec3& origin) {
+  scene::Camera relative = camera;
+  relative.eye -= origin;
+  relative.target -= origin;
+  return scene::make_camera(relative, scene, size);
+}
+
 interop::Camera relative_to(const glm::dvec3& origin, interop::Camera camera) {
   const glm::vec3 eye(glm::dvec3(camera.eye) - origin);
   camera.eye = glm::vec4(eye, camera.eye.w);
@@ -60,7 +70,8 @@ struct PathTracer::State {
       : options(given),
         geometry(scene, origin),
         lights(scene, geometry, origin),
-        arena(given.threads > 0 ? given.threads : tbb::task_arena::automatic) {}
+        arena(given.threads > 0 ? std::min(given.threads, tbb::info::default_concurrency())
+                                : tbb::task_arena::automatic) {}
 
   Options options;
   EmbreeScene geometry;

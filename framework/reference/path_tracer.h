@@ -32,6 +32,9 @@ struct Options {
 LOOM_API FilmIdentity identify(const scene::Scene& scene, const scene::Camera& camera, glm::ivec2 size,
                                const Options& options);
 
+/// The rays of `camera` relative to `origin`, in double before it becomes float.
+LOOM_API interop::Camera view_of(const scene::Camera& camera, const scene::Scene& scene, glm::ivec2 size,
+                                 const glm::dvec3& origin);
 /// `camera` with its eye given relative to `origin`.
 LOOM_API interop::Camera relative_to(const glm::dvec3& origin, interop::Camera camera);
 

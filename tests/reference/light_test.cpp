@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "reference/scenes.h"
+#include "support/hand_scene.h"
 
 namespace loom::reference::test {
 namespace {
@@ -195,7 +196,7 @@ TEST(Emitter, MirroredInstanceEmitsOnItsFront) {
   lamp.emissive = glm::vec3(1);
   glm::dmat4 mirror(1);
   mirror[0][0] = -1;
-  b.mesh(quad_primitive({-.5F, 1, -.5F}, {1, 0, 0}, {0, 0, 1}), lamp, mirror);
+  b.mesh(loom::test::quad({-.5F, 1, -.5F}, {1, 0, 0}, {0, 0, 1}), lamp, mirror);
   expect_mean_within(at_point(b.scene, Layer::emitter, {0, 0, 0}), glm::dvec3(.23946 * pi), .02);
 }
 

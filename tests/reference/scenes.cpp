@@ -10,7 +10,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "scene/gpu_scene.h"
+#include "support/hand_scene.h"
 
 namespace loom::reference::test {
 namespace {
@@ -76,48 +76,26 @@ std::vector<glm::vec3> icosahedron() {
 
 }  // namespace
 
-scene::Primitive flat(const std::vector<glm::vec3>& corners) {
-  scene::Primitive primitive;
-  primitive.positions = corners;
-  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-    const glm::vec3 n = glm::normalize(glm::cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]));
-    primitive.normals.insert(primitive.normals.end(), 3, n);
-  }
-  for (std::uint32_t i = 0; i < corners.size(); ++i) primitive.indices.push_back(i);
-  return primitive;
-}
-
-scene::Primitive quad_primitive(glm::vec3 corner, glm::vec3 u, glm::vec3 v) {
-  scene::Primitive primitive;
-  primitive.positions = {corner, corner + u, corner + u + v, corner + v};
-  primitive.normals.assign(4, glm::normalize(glm::cross(u, v)));
-  primitive.uv0 = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  primitive.indices = {0, 1, 2, 0, 2, 3};
-  return primitive;
-}
-
 SceneBuilder& SceneBuilder::mesh(scene::Primitive primitive, const scene::Material& material, const glm::dmat4& world) {
-  primitive.material = static_cast<int>(scene.materials.size());
-  scene.materials.push_back(material);
-  scene.instances.push_back({.mesh = static_cast<int>(scene.meshes.size()), .world = world});
-  scene.meshes.push_back({.primitives = {std::move(primitive)}});
+  primitive.material = loom::test::add_material(scene, material);
+  loom::test::place(scene, std::move(primitive), world);
   return *this;
 }
 
 SceneBuilder& SceneBuilder::quad(glm::vec3 corner, glm::vec3 u, glm::vec3 v, const Look& look) {
-  return mesh(quad_primitive(corner, u, v), material_of(look));
+  return mesh(loom::test::quad(corner, u, v), material_of(look));
 }
 
 SceneBuilder& SceneBuilder::room(glm::vec3 lower, glm::vec3 upper, const Look& look) {
   const glm::vec3 d = upper - lower;
   const glm::vec3 x(d.x, 0, 0), y(0, d.y, 0), z(0, 0, d.z);
-  scene::Primitive primitive = quad_primitive(lower, y, z);
+  scene::Primitive primitive = loom::test::quad(lower, y, z);
   primitive.uv0.clear();
-  append(primitive, quad_primitive(lower, z, x));
-  append(primitive, quad_primitive(lower, x, y));
-  append(primitive, quad_primitive(upper, -z, -y));
-  append(primitive, quad_primitive(upper, -x, -z));
-  append(primitive, quad_primitive(upper, -y, -x));
+  append(primitive, loom::test::quad(lower, z, x));
+  append(primitive, loom::test::quad(lower, x, y));
+  append(primitive, loom::test::quad(upper, -z, -y));
+  append(primitive, loom::test::quad(upper, -x, -z));
+  append(primitive, loom::test::quad(upper, -y, -x));
   return mesh(primitive, material_of(look));
 }
 
@@ -217,7 +195,7 @@ Film render(const scene::Scene& scene, const scene::Camera& camera, glm::ivec2 s
             const Options& options) {
   const PathTracer tracer(scene, camera.eye, options);
   Film film(size, identify(scene, camera, size, options), options.seed);
-  tracer.accumulate(film, relative_to(camera.eye, scene::make_camera(camera, scene, size)), samples);
+  tracer.accumulate(film, view_of(camera, scene, size, camera.eye), samples);
   EXPECT_EQ(film.non_finite(), 0U);
   return film;
 }

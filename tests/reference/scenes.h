@@ -24,7 +24,7 @@ class SceneBuilder {
     bool double_sided = false;
   };
 
-  /// The parallelogram corner, corner+u, corner+u+v, corner+v; its front is where u×v points.
+  /// As loom::test::quad.
   SceneBuilder& quad(glm::vec3 corner, glm::vec3 u, glm::vec3 v, const Look& look);
   /// An axis-aligned box whose front faces inwards.
   SceneBuilder& room(glm::vec3 lower, glm::vec3 upper, const Look& look);
@@ -40,11 +40,6 @@ class SceneBuilder {
 
   scene::Scene scene;
 };
-
-/// Flat normals for whatever triangles there are (corners unshared).
-scene::Primitive flat(const std::vector<glm::vec3>& corners);
-/// The quad of SceneBuilder as a primitive, with uv0 from (0,0) at `corner` to (1,1) opposite.
-scene::Primitive quad_primitive(glm::vec3 corner, glm::vec3 u, glm::vec3 v);
 
 /// The Cornell box (Cornell University, measured data; metres/10), with its emissive quad or with a spot light.
 scene::Scene cornell_box(bool with_quad = true);
