@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
+#include <sstream>
 #include <system_error>
 
 #include <glm/geometric.hpp>
@@ -57,7 +59,7 @@ class Reader {
       return std::nullopt;
     }
     if (!std::isfinite(node->number) || node->number < min || node->number > max) {
-      error(*node, "run-range", std::string(what) + " must lie within " + to_text(min) + " and " + to_text(max));
+      error(*node, "run-range", std::string(what) + range_text(min, max));
       return std::nullopt;
     }
     return node->number;
@@ -90,7 +92,15 @@ class Reader {
   }
 
  private:
-  static std::string to_text(double value) { return nlohmann::json(value).dump(); }
+  static std::string range_text(double min, double max) {
+    std::ostringstream text;
+    if (max >= std::numeric_limits<float>::max()) {
+      text << " must be finite and at least " << min;
+    } else {
+      text << " must lie within " << min << " and " << max;
+    }
+    return text.str();
+  }
   Diagnostics& diagnostics_;
 };
 
@@ -121,12 +131,15 @@ std::optional<Camera> read_camera(Reader& reader, const Node& node) {
   for (const char* key : {"eye", "target"}) {
     if (node.find(key) == nullptr) reader.error(node, "missing-key", std::string("a camera needs \"") + key + "\"");
   }
-  camera.eye = reader.vector(node.find("eye"), "eye").value_or(camera.eye);
-  camera.target = reader.vector(node.find("target"), "target").value_or(camera.eye + glm::dvec3(0, 0, -1));
+  const std::optional<glm::dvec3> eye = reader.vector(node.find("eye"), "eye");
+  const std::optional<glm::dvec3> target = reader.vector(node.find("target"), "target");
   camera.up = reader.vector(node.find("up"), "up").value_or(camera.up);
   if (const std::optional<double> degrees = reader.number(node.find("yfov_deg"), "yfov_deg", .01, 179)) {
     camera.yfov_rad = glm::radians(*degrees);
   }
+  if (!eye || !target) return std::nullopt;
+  camera.eye = *eye;
+  camera.target = *target;
   const glm::dvec3 forward = camera.target - camera.eye;
   if (glm::length(forward) == 0) {
     reader.error(node, "run-range", "the camera's eye and target are the same point");
