@@ -15,7 +15,8 @@ namespace loom {
 struct ImageLayers {
   int width = 0, height = 0;
   std::map<std::string, std::vector<float>> channels;
-  std::map<std::string, std::string> attributes;  ///< string attributes, `loom:quantity` among them
+  std::map<std::string, std::string>
+      attributes;  ///< strings: `loom:quantity` (what it is), `loom:output` (of which output)
 };
 
 /// 8-bit sRGB PNG from display-referred RGB in [0,1] that is already sRGB-encoded (Tonemap's output).

@@ -130,12 +130,18 @@ ImageFile read_image(const std::string& path) {
 }
 
 std::vector<std::string> layer_names(const ImageLayers& image) {
+  const bool bare_layer = !channels_of(image, "").empty();
   std::set<std::string> prefixes;
   for (const auto& [channel, values] : image.channels) {
-    if (const std::string prefix = prefix_of(channel); !prefix.empty()) prefixes.insert(prefix);
+    const std::string prefix = prefix_of(channel);
+    if (!prefix.empty()) {
+      prefixes.insert(prefix);
+    } else if (!bare_layer) {
+      prefixes.insert(channel);
+    }
   }
   std::vector<std::string> names;
-  if (!channels_of(image, "").empty()) names.emplace_back(rgb);
+  if (bare_layer) names.emplace_back(rgb);
   names.insert(names.end(), prefixes.begin(), prefixes.end());
   return names;
 }

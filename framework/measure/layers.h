@@ -37,7 +37,8 @@ struct LOOM_API ImageFile {
 /// Reads .exr or .png by its ending (any case). Throws BadInput.
 LOOM_API ImageFile read_image(const std::string& path);
 
-/// Names of the layers of an image: "RGB", then the prefixes of dotted channels ("direct", "depth"), sorted.
+/// Names of the layers of an image: "RGB", then the prefixes of dotted channels ("direct", "depth"), sorted. Where there
+/// is no RGB, bare channels ("Z") are layers of their own.
 LOOM_API std::vector<std::string> layer_names(const ImageLayers& image);
 
 /// The layer of that name: empty or "RGB" (any case) for the bare R G B (or Y alone), a prefix ("indirect"), or one

@@ -62,6 +62,14 @@ TEST(Layers, NamesAreListedOnce) {
               ElementsAre("RGB", "albedo", "bounce", "depth", "direct", "emitter", "indirect", "normal"));
 }
 
+TEST(Layers, ABareChannelIsALayerWhereThereIsNoRgb) {
+  ImageLayers image{.width = 4, .height = 3, .channels = {}, .attributes = {}};
+  image.channels["Z"].assign(12, 1);
+  EXPECT_THAT(layer_names(image), ElementsAre("Z"));
+  EXPECT_EQ(picked(exr(image), reference(), "Z:depth"), "Z:depth");
+  EXPECT_THAT(refusal(exr(image), reference()).message, HasSubstr("no layer `RGB`, but Z"));
+}
+
 TEST(Layers, AreFoundByNamePrefixAndChannel) {
   const ImageFile file = reference();
   EXPECT_THAT(find_layer(file, "").channels, ElementsAre("R", "G", "B"));
