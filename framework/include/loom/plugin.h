@@ -40,6 +40,7 @@ consteval PluginStamp make_plugin_stamp(std::string_view build_tag) {
 
 }  // namespace loom
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a string literal and a parameter's name take none
 /// LOOM_BUILD_TAG is given by loom_add_pass(), the same for framework and plugins of one build configuration.
 #define LOOM_PLUGIN(plugin_name, registry)                                                                            \
   static void loom_add_to(loom::Registry& registry);                                                                  \
@@ -50,3 +51,4 @@ consteval PluginStamp make_plugin_stamp(std::string_view build_tag) {
     return &plugin;                                                                                                   \
   }                                                                                                                   \
   static void loom_add_to(loom::Registry& registry)
+// NOLINTEND(bugprone-macro-parentheses)

@@ -31,10 +31,9 @@ class LOOM_API Registry {
   /// An identical declaration merges; another of the same name throws Error (`bundle-conflict`) that names both.
   void add_bundle(BundleType type, std::string_view plugin = {});
   template <class P>
-  void add(std::string name, std::string summary) {
-    add_pass({.name = std::move(name), .summary = std::move(summary), .plugin = current_plugin_, .create = [] {
-                return std::make_unique<P>();
-              }});
+  void add(const std::string& name, const std::string& summary) {
+    add_pass(
+        {.name = name, .summary = summary, .plugin = current_plugin_, .create = [] { return std::make_unique<P>(); }});
   }
 
   [[nodiscard]] const PassType* pass(std::string_view name) const;

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Builds Lightloom and renders the built-in scene with every pipeline into demo-out/. Installs what is missing where it
+# may. Environment: LOOM_JOBS (parallel jobs), LOOM_DEMO_SIZE (512x512), LOOM_DEMO_SAMPLES (4).
+set -uo pipefail
+cd "$(dirname "$0")" || exit 1
+. framework/cmake/steps.sh
+
+install_packages || exit 1
+# The tests are left as they are: test.sh switches them on in the same folder.
+options=()
+[ -e build/CMakeCache.txt ] || options=(-DLOOM_TESTS=OFF)
+step "configuring" configure build "${options[@]}" || exit 1
+step "building" cmake --build build --parallel "$jobs" --target lightloom || exit 1
+
+size=${LOOM_DEMO_SIZE:-512x512}
+samples=${LOOM_DEMO_SAMPLES:-4}
+mkdir -p demo-out
+failed=0
+for file in pipelines/*.json; do
+  name=$(basename "$file" .json)
+  step "rendering $name" build/bin/loom render -p "$file" --size "$size" --samples "$samples" \
+    -o "demo-out/$name.png" --stats "demo-out/$name.stats.json" || failed=1
+done
+
+echo
+echo "pictures:     $PWD/demo-out/*.png"
+echo "times:        $PWD/demo-out/*.stats.json"
+exit "$failed"
