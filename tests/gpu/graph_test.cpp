@@ -272,6 +272,36 @@ void main() { ivec2 p = ivec2(gl_GlobalInvocationID.xy);
   EXPECT_TRUE(std::isnan(texel.y)) << "buffers too";
 }
 
+TEST_F(GraphTest, PoisonShowsAStructThatIsNotPublished) {
+  const auto seen = std::make_shared<std::vector<float>>();
+  add_pass(registry_, "Once", [] {
+    return PassFunctions{
+        .reflect = [](Ports& p) { p.out("surface", "Surface").texture("depth", image(p), Access::image_write); },
+        .execute =
+            [](Frame& f, const Bindings& b) {
+              interop::Camera camera{};
+              camera.eye.x = 5;
+              if (f.info().index == 0) b.publish("surface", camera);
+            }};
+  });
+  add_pass(registry_, "Look", [=] {
+    return PassFunctions{
+        .reflect =
+            [](Ports& p) {
+              p.in("surface", "Surface").reads("depth");
+              p.out("image", "Image").texture("image", image(p), Access::image_write);
+            },
+        .execute = [=](Frame&, const Bindings& b) { seen->push_back(b.data<interop::Camera>("surface").eye.x); }};
+  });
+  const auto renderer =
+      make(R"({ "passes": { "o": { "type": "Once" }, "l": { "type": "Look", "in": { "surface": "o.surface" } } },
+                                  "outputs": { "image": "l.image" } })",
+           {.poison = true});
+  for (int i = 0; i < 2; ++i) frame(*renderer);
+  EXPECT_EQ(seen->at(0), 5);
+  EXPECT_TRUE(std::isnan(seen->at(1)));
+}
+
 TEST_F(GraphTest, PoisonFillsEveryFormat) {
   for (const Format format : {Format::rgba8, Format::rgba16f, Format::r11g11b10f, Format::r32ui, Format::r32i}) {
     const std::string type = "Nothing_" + std::string(to_string(format));

@@ -361,6 +361,7 @@ TEST_F(RendererTest, TimesAreThereForEveryPassAndTheFrame) {
 }
 
 TEST_F(RendererTest, TheProgramsOwnStateIsRestored) {
+  glUseProgram(0);
   GLuint mine = 0;
   glCreateFramebuffers(1, &mine);
   glBindFramebuffer(GL_FRAMEBUFFER, mine);

@@ -72,7 +72,8 @@ SavedState::SavedState() {
 SavedState::~SavedState() {
   for (std::size_t i = 0; i < off.size(); ++i) enable(off[i], enabled_[i]);
   enable(GL_TEXTURE_CUBE_MAP_SEAMLESS, enabled_.back());
-  glUseProgram(as_name(program_));
+  // A current program that was deleted meanwhile is gone for good once another takes its place.
+  glUseProgram(glIsProgram(as_name(program_)) == GL_TRUE ? as_name(program_) : 0);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, as_name(draw_framebuffer_));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, as_name(read_framebuffer_));
   glBindVertexArray(as_name(vertex_array_));

@@ -2,11 +2,13 @@
 // OpenGL state at the borders: of a pass, which begins from a known one, and of a frame, which leaves the program's.
 #include <array>
 
+#include "loom/export.h"
+
 namespace loom::graph {
 
 /// No blending, culling, scissor, stencil, logic operations or dithering; everything written; depth test off with
 /// GREATER; clip space z in [0, 1], y up; counter-clockwise fronts, filled; seamless cubemaps.
-void set_known_state();
+LOOM_API void set_known_state();
 
 /// Restores, when destroyed, what a frame changes and a program is likely to rely on: program, framebuffers, vertex
 /// array, viewport, the capabilities and functions of set_known_state(). Not restored: textures, samplers, images and

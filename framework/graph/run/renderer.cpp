@@ -254,8 +254,8 @@ class RendererImpl final : public Renderer {
       kept_.push_back(pass.name);
     } else {
       const gpu::DebugGroup group(pass.name);
+      if (options_.poison) poison(pass, position);
       for (const int resource : begins_[position]) {
-        if (options_.poison) storage_.poison(resource);
         if (graph_.resources[static_cast<std::size_t>(resource)].clear_each_frame) storage_.clear(resource);
       }
       frame_.begin_pass();
@@ -264,6 +264,16 @@ class RendererImpl final : public Renderer {
     timer_.mark();
     cpu_ms_[position].add(milliseconds(Clock::now() - start));
     if (options_.check_finite && (kept_.empty() || kept_.back() != pass.name)) check_finite(pass);
+  }
+
+  // What the pass is about to make. What it takes over from others is as they left it.
+  void poison(const CompiledPass& pass, std::size_t position) {
+    for (const int resource : begins_[position]) storage_.poison(resource);
+    for (const OutputDecl& output : pass.ports.outputs) {
+      if (output.in_place || output.forwards || output.absent) continue;
+      for (const BoundPort& port : pass.bound)
+        if (!port.is_input && port.name == output.name && port.bundle != none) structs_.poison(port.bundle);
+    }
   }
 
   void check_finite(const CompiledPass& pass) {

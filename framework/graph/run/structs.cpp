@@ -47,6 +47,12 @@ const Buffer* BundleStructs::buffer(int bundle) const {
   return entry.buffer.empty() ? nullptr : &entry.buffer.front();
 }
 
+void BundleStructs::poison(int bundle) {
+  Entry& entry = entries_[static_cast<std::size_t>(bundle)];
+  std::fill(entry.bytes.begin(), entry.bytes.end(), std::byte{0xff});
+  for (const Buffer& buffer : entry.buffer) buffer.write(entry.bytes);
+}
+
 void BundleStructs::swap_history() {
   for (Entry& entry : entries_) {
     if (entry.history_of == none) continue;

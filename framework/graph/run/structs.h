@@ -19,6 +19,8 @@ class BundleStructs {
   [[nodiscard]] std::span<const std::byte> data(int bundle, std::size_t bytes, const std::string& what) const;
   /// Null where the bundle type has no struct.
   [[nodiscard]] const Buffer* buffer(int bundle) const;
+  /// All bits set, NaN as floats.
+  void poison(int bundle);
   /// `x.y@prev` takes what `x.y` held.
   void swap_history();
   void reset();

@@ -72,15 +72,23 @@ class LOOM_API Frame {
   ///   sampler or image uniform `<port>_<member>` (also `scratch_<name>`, `persistent_<name>`) — the texture,
   ///   storage block `<port>_<member>` — the buffer; `scene_*` — the scene's,
   ///   uniform block `<port>_data` — the bundle's struct; `frame_data` — this frame,
-  ///   uniform named as a parameter of the pass — its value.
-  /// A sampler of an absent or unmade member is an error: guard it by a #define.
+  ///   uniform named as a parameter of the pass — its value; of a choice the index.
+  /// A sampler of an absent, unmade or undeclared member is an error: guard it by a #define. A shadow sampler
+  /// (sampler2DArrayShadow, …) compares reversed depths: 1 where the reference is at least as near as the stored one.
+  /// Images are bound whole, level 0. Names that begin with no port's name are the pass's own to bind, `material_*` the
+  /// scene's (SceneView::draw); ProgramInterface says at which unit.
   virtual void bind(const Program& program, const Bindings& bindings) = 0;
   /// bind(), then enough work groups to cover `threads`.
   virtual void dispatch(const Program& program, const Bindings& bindings, glm::ivec3 threads) = 0;
-  /// bind(), then one triangle over the pass's colour outputs.
+  /// bind(), then one triangle over the target, one a layer where it is layered (gl_Layer), without depth test. The
+  /// target is what begin_raster() bound in this pass; without, all of the pass's colour outputs, not cleared.
   virtual void fullscreen(const Program& program, const Bindings& bindings) = 0;
-  /// Binds the framebuffer made of the pass's outputs with access color (in order of declaration; unread ones
-  /// discard) and depth, sets the viewport, clears colour to 0 and depth to far (0: depth is reversed).
+  /// Binds the framebuffer made of the pass's outputs, scratch and persistent textures with access color (in order of
+  /// declaration; unread ones discard) and depth, whole (arrays, volumes and cubes are layered targets), sets the
+  /// viewport, clears colour to 0 (or what cleared() says) and depth to far (0: depth is reversed). In-place outputs
+  /// and persistent textures keep what they hold. A depth output that nobody reads still tests. Depth test GREATER
+  /// where there is depth; each pass begins with blending, culling and scissor off, clip-space z in [0, 1]. With
+  /// nothing to attach, the raster has the frame's size.
   virtual void begin_raster(const Bindings& bindings) = 0;
   /// begin_raster() over the named members alone ("lights.flux", "scratch.depth"); for a pass with several targets.
   virtual void begin_raster(const Bindings& bindings, std::span<const std::string_view> members) = 0;
