@@ -22,6 +22,13 @@ void compile_random(benchmark::State& state) {
 }
 BENCHMARK(compile_random)->Arg(10)->Arg(100)->Arg(1000)->Unit(benchmark::kMillisecond);
 
+void compile_pruned(benchmark::State& state) {
+  const Registry registry = random_registry();
+  const RandomGraph model = random_graph(37, static_cast<int>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(compile(model.text, registry));
+}
+BENCHMARK(compile_pruned)->Arg(1000)->Unit(benchmark::kMillisecond);
+
 void parse_only(benchmark::State& state) {
   const RandomGraph model = random_graph(37, static_cast<int>(state.range(0)));
   for (auto _ : state) {

@@ -95,28 +95,46 @@ class Marking {
   std::vector<int> queue_;
 };
 
-/// Passes wired to an output of `producer`: of one output, or of any where `port` is empty.
-std::vector<const DraftPass*> readers(const Draft& draft, int producer, std::string_view port) {
-  std::vector<const DraftPass*> found;
-  for (const auto& pass : draft.passes)
-    for (const auto& wire : pass.wires)
-      if (wire.from_pass == producer && (port.empty() || wire.entry->from.port == port) &&
-          (found.empty() || found.back() != &pass) && &pass != &draft.passes[at(producer)])
-        found.push_back(&pass);
-  return found;
-}
-
-std::string why_unread(const Draft& draft, const Liveness& alive, int producer, std::string_view port) {
-  std::string names;
-  std::size_t idle = 0;
-  for (const DraftPass* reader : readers(draft, producer, port)) {
-    if (alive.runs[static_cast<std::size_t>(reader - draft.passes.data())] != 0) continue;
-    ++idle;
-    names += (names.empty() ? "`" : ", `") + reader->name() + '`';
+/// Why outputs and members are not made: who would have read them.
+class Readers {
+ public:
+  Readers(const Draft& draft, const Liveness& alive) : draft_(draft), alive_(alive), wires_(draft.passes.size()) {
+    for (std::size_t p = 0; p < draft.passes.size(); ++p)
+      for (const auto& wire : draft.passes[p].wires)
+        if (wire.from_pass != none && wire.from_pass != static_cast<int>(p))
+          wires_[at(wire.from_pass)].push_back({static_cast<int>(p), &wire});
   }
-  if (names.empty()) return "nothing reads it";
-  return "read by " + names + (idle == 1 ? " alone, which does not run" : " alone, which do not run");
-}
+
+  /// `port` and `member` empty: any.
+  [[nodiscard]] std::string why_unread(int producer, std::string_view port = {}, std::string_view member = {}) const {
+    std::string names;
+    std::size_t idle = 0;
+    int last = none;
+    for (const auto& [reader, wire] : wires_[at(producer)]) {
+      if (alive_.runs[at(reader)] != 0 || reader == last || !reads(draft_.passes[at(reader)], *wire, port, member))
+        continue;
+      last = reader;
+      ++idle;
+      names += (names.empty() ? "`" : ", `") + draft_.passes[at(reader)].name() + '`';
+    }
+    if (names.empty()) return "nothing reads it";
+    return "read by " + names + (idle == 1 ? " alone, which does not run" : " alone, which do not run");
+  }
+
+ private:
+  static bool reads(const DraftPass& pass, const Wire& wire, std::string_view port, std::string_view member) {
+    if (!port.empty() && wire.entry->from.port != port) return false;
+    if (member.empty()) return true;
+    const InputDecl* input = pass.input(wire.entry->input);
+    return input != nullptr &&
+           (input->reads_all || std::any_of(input->reads.begin(), input->reads.end(),
+                                            [&](const auto& read) { return read.member == member; }));
+  }
+
+  const Draft& draft_;
+  const Liveness& alive_;
+  std::vector<std::vector<std::pair<int, const Wire*>>> wires_;  // by producer, in file order
+};
 
 std::string why_idle(const Draft& draft, const DraftPass& pass) {
   std::string why;
@@ -137,8 +155,8 @@ void leave_out(CompiledGraph& graph, std::string what, std::string why, bool by_
   graph.pruned.push_back({std::move(what), std::move(why)});
 }
 
-void explain_output(const Draft& draft, const Liveness& alive, int index, std::size_t output_index,
-                    CompiledGraph& graph) {
+void explain_output(const Draft& draft, const Liveness& alive, const Readers& readers, int index,
+                    std::size_t output_index, CompiledGraph& graph) {
   const DraftPass& pass = draft.passes[at(index)];
   const OutputDecl& output = pass.ports.outputs[output_index];
   const int version = pass.versions[output_index];
@@ -151,13 +169,13 @@ void explain_output(const Draft& draft, const Liveness& alive, int index, std::s
   const auto& members = draft.versions[at(version)].info.members;
   const auto& made = alive.members[at(version)];
   if (std::find(made.begin(), made.end(), 0) == made.end()) return;
-  const std::string why = why_unread(draft, alive, index, output.name);
   if (std::find(made.begin(), made.end(), 1) == made.end()) {
-    leave_out(graph, path, why, true);
+    leave_out(graph, path, readers.why_unread(index, output.name), true);
     return;
   }
   for (std::size_t m = 0; m < members.size(); ++m)
-    if (made[m] == 0) leave_out(graph, path + '.' + members[m].name, why, true);
+    if (made[m] == 0)
+      leave_out(graph, path + '.' + members[m].name, readers.why_unread(index, output.name, members[m].name), true);
 }
 
 }  // namespace
@@ -165,15 +183,16 @@ void explain_output(const Draft& draft, const Liveness& alive, int index, std::s
 Liveness find_alive(const Draft& draft) { return Marking(draft).run(); }
 
 void explain_pruned(const Draft& draft, const Liveness& alive, CompiledGraph& graph) {
+  const Readers readers(draft, alive);
   for (std::size_t p = 0; p < draft.passes.size(); ++p) {
     const DraftPass& pass = draft.passes[p];
     if (!can_run(draft, pass)) {
       leave_out(graph, pass.name(), why_idle(draft, pass), false);
     } else if (alive.runs[p] == 0) {
-      leave_out(graph, pass.name(), why_unread(draft, alive, static_cast<int>(p), {}), true);
+      leave_out(graph, pass.name(), readers.why_unread(static_cast<int>(p)), true);
     } else {
       for (std::size_t i = 0; i < pass.ports.outputs.size(); ++i)
-        explain_output(draft, alive, static_cast<int>(p), i, graph);
+        explain_output(draft, alive, readers, static_cast<int>(p), i, graph);
     }
   }
 }
