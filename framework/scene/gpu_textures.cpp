@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "gpu/current.h"
 #include "gpu/debug.h"
@@ -15,9 +16,19 @@
 namespace loom::scene {
 namespace {
 
-/// Samples along the footprint's long axis. A floor seen at grazing angles down to 1/8 stays sharp across; more costs
-/// time in a software rasteriser for little.
+/// Samples along the footprint's long axis: a floor seen at grazing angles down to 1/8 stays sharp across.
 constexpr float anisotropy = 8;
+
+/// False for Mesa's software drivers: they walk every texel of the footprint, which takes seconds a frame and does not
+/// end where a derivative is not finite.
+bool filters_anisotropically() {
+  const auto* text = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  const std::string_view renderer = text != nullptr ? text : "";
+  if (renderer.starts_with("llvmpipe") || renderer.starts_with("softpipe")) return false;
+  // Core since 4.6; before, the extension of the same token.
+  return epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") ||
+         epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic");
+}
 
 GlName make_sampler(bool repeat_u, bool repeat_v, bool nearest) {
   GlName sampler = 0;
@@ -26,10 +37,7 @@ GlName make_sampler(bool repeat_u, bool repeat_v, bool nearest) {
   glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, repeat_v ? GL_REPEAT : GL_CLAMP_TO_EDGE);
   glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, nearest ? GL_NEAREST : GL_LINEAR);
   glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, nearest ? GL_NEAREST_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
-  // Core since 4.6; before, the extension of the same token.
-  const bool available = epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") ||
-                         epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic");
-  if (available && !nearest) {
+  if (filters_anisotropically() && !nearest) {
     float largest = 1;
     glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &largest);
     glSamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY, std::min(anisotropy, largest));
