@@ -48,7 +48,7 @@ class ImagePasses : public GlTest {
   static std::string pipeline(const std::string& passes, const std::string& image) {
     return R"({ "passes": { )" + passes + R"( }, "outputs": { "image": ")" + image + R"(" } })";
   }
-  Texels image(const std::string& passes, const std::string& output, RenderOptions options = {.size = {13, 7}}) const {
+  Texels image(const std::string& passes, const std::string& output, BenchOptions options = {.size = {13, 7}}) const {
     return bench_->image(pipeline(passes, output), "image", std::move(options));
   }
   std::unique_ptr<gpu::CachingDevice> device_;

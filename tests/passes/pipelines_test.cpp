@@ -36,11 +36,11 @@ class Pipelines : public GlTest, public ::testing::WithParamInterface<std::strin
     bench_ = std::make_unique<Bench>(*device_, cornell());
     bench_->look({0, 1, 3.2}, {0, 1, 0}, .4);
   }
-  static RenderOptions options() {
+  static BenchOptions options() {
     return {
         .size = {48, 40}, .set = {{"rsm", "size", "32"}, {"rsm", "shadow_size", "128"}}, .requested = {"image", "hdr"}};
   }
-  [[nodiscard]] std::vector<Texels> outputs(const RenderOptions& how) const {
+  [[nodiscard]] std::vector<Texels> outputs(const BenchOptions& how) const {
     bench_->render(GetParam() + ".json", how);
     return {bench_->read("image"), bench_->read("hdr")};
   }
@@ -57,7 +57,7 @@ TEST_P(Pipelines, TheSameBitsWithoutAliasingWithPoisonAndTwice) {
     EXPECT_GT(image.mean().x, 0);
   }
   EXPECT_TRUE(outputs(options()) == once) << "twice";
-  RenderOptions how = options();
+  BenchOptions how = options();
   how.alias = false;
   EXPECT_TRUE(outputs(how) == once) << "without aliasing";
   how = options();
@@ -69,7 +69,7 @@ TEST_P(Pipelines, TheSameBitsWithoutAliasingWithPoisonAndTwice) {
 }
 
 TEST_P(Pipelines, AStillSceneKeepsWhatItHas) {
-  RenderOptions how = options();
+  BenchOptions how = options();
   const auto once = outputs(how);
   how.frames = 3;
   bench_->render(GetParam() + ".json", how);

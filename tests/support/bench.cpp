@@ -160,7 +160,7 @@ void Bench::look_down(double half, double height) {
   camera_.znear = 1e-3 * height;
 }
 
-void Bench::render(const std::string& pipeline, const RenderOptions& options) {
+void Bench::render(const std::string& pipeline, const BenchOptions& options) {
   graph::CompileOptions compile;
   compile.frame_size = options.size;
   compile.overrides = options.set;
@@ -178,7 +178,7 @@ void Bench::render(const std::string& pipeline, const RenderOptions& options) {
     renderer_->render(*gpu_, block_, {.index = static_cast<std::uint64_t>(i), .seed = options.seed});
 }
 
-Texels Bench::image(const std::string& pipeline, const std::string& output, RenderOptions options) {
+Texels Bench::image(const std::string& pipeline, const std::string& output, BenchOptions options) {
   options.requested.push_back(output);
   render(pipeline, options);
   return read(output);

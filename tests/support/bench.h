@@ -52,7 +52,7 @@ struct Texels {
   bool operator==(const Texels&) const = default;
 };
 
-struct RenderOptions {
+struct BenchOptions {
   glm::ivec2 size{64, 64};
   std::vector<graph::Override> set;
   std::vector<std::string> requested;  ///< outputs to keep; empty = those that the pipeline names
@@ -77,9 +77,9 @@ class Bench {
   void look_down(double half, double height = 10);
 
   /// `pipeline`: JSON, or the name of a file in pipelines/. Throws BadInput with all diagnostics.
-  void render(const std::string& pipeline, const RenderOptions& options = {});
+  void render(const std::string& pipeline, const BenchOptions& options = {});
   /// Renders and reads one output ("image", "pass.port.member").
-  Texels image(const std::string& pipeline, const std::string& output, RenderOptions options = {});
+  Texels image(const std::string& pipeline, const std::string& output, BenchOptions options = {});
   /// An output of the last render; throws where it is absent.
   [[nodiscard]] Texels read(const std::string& output) const;
   [[nodiscard]] bool absent(const std::string& output) const;
