@@ -27,7 +27,7 @@ namespace {
 using namespace loom;
 
 // VirtualLight in shaders/gather_rsm/virtual_light.glsl.
-constexpr std::size_t virtual_light_bytes = 48;
+constexpr std::size_t virtual_light_bytes = 32;
 
 class GatherRSM final : public Pass {
  public:
@@ -35,13 +35,13 @@ class GatherRSM final : public Pass {
     p.choice("method", method_, {"importance", "full"}, {.cost = Cost::graph, .doc = "which texels are gathered"});
     p.integer("samples", samples_,
               {.min = 1, .max = 65536, .scale = Scale::log, .doc = "importance: texels gathered from each light"});
-    p.real(
-        "radius", radius_,
-        {.min = .01,
-         .max = 2,
-         .unit = "map widths",
-         .scale = Scale::log,
-         .doc = "importance: R, how far from the receiver's own place in the map; a quarter turn on six faces is 1"});
+    p.real("radius", radius_,
+           {.min = .01,
+            .max = 2,
+            .unit = "map widths",
+            .scale = Scale::log,
+            .doc = "importance: R, how far from the receiver's own place in the map; 1 reaches across a spot's cone, "
+                   "and is a quarter turn on six faces"});
     p.real("min_distance", min_distance_,
            {.min = 0,
             .max = 16,
@@ -97,7 +97,7 @@ class GatherRSM final : public Pass {
  private:
   std::string method_ = "importance";
   int samples_ = 128;
-  float radius_ = .3f;
+  float radius_ = 1;
   float min_distance_ = 1;
   glm::ivec3 map_{1};  // texels, texels, faces
   std::shared_ptr<const Program> make_, gather_;

@@ -32,12 +32,12 @@ int texel_index(ivec2 texel, int layer) { return (layer * map.y + texel.y) * map
 
 // What one virtual light gives, bounded, and what the bound took away.
 void add_light(int index, vec3 x, vec3 n, float weight, inout vec3 given, inout vec3 taken) {
-  vec3 d = virtual_lights[index].position.xyz - x;
+  vec4 position = virtual_lights[index].position, intensity = virtual_lights[index].intensity;
+  vec3 d = position.xyz - x;
   float square = max(dot(d, d), 1e-30);
-  float cosines = max(0., dot(n, d)) * max(0., -dot(virtual_lights[index].normal.xyz, d)) / square;
-  if (cosines <= 0.) return;
-  vec3 e = virtual_lights[index].intensity.rgb * (weight * cosines);
-  float softened = square + min_distance * min_distance * virtual_lights[index].position.w;
+  float cosines = max(0., dot(n, d)) * max(0., -dot(unpack_normal(floatBitsToUint(intensity.w)), d)) / square;
+  vec3 e = intensity.rgb * (weight * cosines);
+  float softened = square + min_distance * min_distance * position.w;
   given += e / softened;
 #if CLAMPED
   taken += e * (1. / square - 1. / softened);
@@ -45,6 +45,13 @@ void add_light(int index, vec3 x, vec3 n, float weight, inout vec3 given, inout 
 }
 
 #if METHOD == METHOD_importance
+// Point `index` of Roberts' R2 sequence (multiples of 1/g and 1/g², g³ = g + 1), rotated by `offset`: as cheap as two
+// multiplications, which tells where there is a sample for every few instructions.
+vec2 rotated_r2(uint index, uvec2 offset) {
+  uvec2 bits = offset + index * uvec2(3242174889u, 2447445414u);
+  return vec2(to_unit(bits.x), to_unit(bits.y));
+}
+
 // Where the light sees x: on a single face its plane coordinates, on six the unit direction.
 struct Centre {
   bool planar;
@@ -91,13 +98,13 @@ int choose_texel(Light light, Centre centre, vec2 u, out float weight) {
     layer += cube_face(w);
     vec3 projected = face_project(faces[layer], faces[layer].origin.xyz + w);
     q = clamp(projected.xy, vec2(-1), vec2(.9999999));
-    weight = 2. * pi * centre.reach * sin(r) / float(samples);
+    // The inverse of the texel's solid angle 4z³/N², z along the face's axis.
+    weight = 2. * pi * centre.reach * sin(r) / float(samples) * .25 * float(map.x) * float(map.y) /
+             (projected.z * projected.z * projected.z);
   }
   ivec2 texel = ivec2(floor(.5 * (q + 1.) * vec2(map.xy)));
   if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, map.xy))) return -1;
-  int index = texel_index(texel, layer);
-  if (!centre.planar) weight *= virtual_lights[index].normal.w;
-  return index;
+  return texel_index(texel, layer);
 }
 
 bool within(Centre centre, LightFace face, vec2 q) {
@@ -121,10 +128,10 @@ void main() {
     uint seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x72736du);
     for (int i = 0; i < lights.length(); ++i) {
       Centre centre = centre_of(lights[i], x);
-      uint light_seed = hash(uvec4(seed, uint(i), 0u, 0u)).x;
+      uvec2 offset = hash(uvec4(seed, uint(i), 0u, 0u)).xy;
       for (int k = 0; k < samples; ++k) {
         float weight;
-        vec2 u = low_discrepancy(frame.random.z * uint(samples) + uint(k), light_seed);
+        vec2 u = rotated_r2(frame.random.z * uint(samples) + uint(k), offset);
         int index = choose_texel(lights[i], centre, u, weight);
         if (index >= 0) add_light(index, x, n, weight, given, taken);
       }

@@ -16,12 +16,12 @@ void main() {
   vec2 q = texel_plane(texel.xy, size.x);
   float depth = texelFetch(lights_depth, texel, 0).r;
   float measure = texel_measure(face, q, size.x);
-  VirtualLight made;
-  made.position = vec4(face_position(face, q, depth), 0);
-  made.normal = vec4(normalize_or(texelFetch(lights_normal, texel, 0).xyz, vec3(0)), 1. / measure);
-  made.intensity = depth > 0. ? texelFetch(lights_flux, texel, 0) * inverse_pi : vec4(0);
+  vec3 normal = normalize_or(texelFetch(lights_normal, texel, 0).xyz, vec3(0, 1, 0));
   vec3 towards = is_directional(face) ? face.forward.xyz : normalize(face_ray(face, q));
-  float area = (is_directional(face) ? measure : depth * depth * measure) / max(-dot(made.normal.xyz, towards), 1e-6);
-  made.position.w = area * inverse_pi;
+  float area = (is_directional(face) ? measure : depth * depth * measure) / max(-dot(normal, towards), 1e-6);
+  vec3 flux = depth > 0. ? texelFetch(lights_flux, texel, 0).rgb : vec3(0);
+  VirtualLight made;
+  made.position = vec4(face_position(face, q, depth), area * inverse_pi);
+  made.intensity = vec4(flux * inverse_pi, uintBitsToFloat(pack_normal(normal)));
   virtual_lights[(texel.z * size.y + texel.y) * size.x + texel.x] = made;
 }
