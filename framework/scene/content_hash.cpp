@@ -28,7 +28,7 @@ class Hash {
       word(value);
     }
     std::uint64_t rest = 0;
-    std::memcpy(&rest, at, size);
+    if (size > 0) std::memcpy(&rest, at, size);  // an empty vector has no address
     word(rest);
   }
   template <class T>
