@@ -87,7 +87,7 @@ std::string OutputPath::of_frame(int frame) const {
   return before_ + number + after_;
 }
 
-void write_image(const std::string& path, bool png, const graph::ReadImage& image) {
+void write_image(const std::string& path, bool png, const graph::ReadImage& image, const std::string& output) {
   const graph::ReadImage flat = sheet(image);
   if (png) {
     const bool display = flat.quantity == "display";
@@ -107,6 +107,7 @@ void write_image(const std::string& path, bool png, const graph::ReadImage& imag
     for (const glm::vec4& texel : flat.texels) channel.push_back(texel[static_cast<int>(c)]);
   }
   if (!flat.quantity.empty()) layers.attributes["loom:quantity"] = flat.quantity;
+  layers.attributes["loom:output"] = output;
   write_exr(path, layers);
 }
 

@@ -21,8 +21,9 @@ class OutputPath {
   bool png_ = false;
 };
 
-/// Writes the picture. EXR: R, G, B in 32-bit float, attribute loom:quantity. PNG: display-referred values as they are;
-/// anything else clamped to [0, 1] and sRGB-encoded. Layers and slices are laid side by side, in rows.
-void write_image(const std::string& path, bool png, const graph::ReadImage& image);
+/// Writes the picture. EXR: R, G, B in 32-bit float, attributes loom:quantity and loom:output (`output`, by which
+/// compare tells bounce from indirect irradiance). PNG: display-referred values as they are; anything else clamped to
+/// [0, 1] and sRGB-encoded. Layers and slices are laid side by side, in rows.
+void write_image(const std::string& path, bool png, const graph::ReadImage& image, const std::string& output);
 
 }  // namespace loom::cli

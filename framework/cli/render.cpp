@@ -118,7 +118,7 @@ class Job {
         progress.show(index_);
       }
       if (arguments_.check_finite) check_finite(renderer);
-      if (wanted) write_image(path_.of_frame(frame), path_.is_png(), mean.image());
+      if (wanted) write_image(path_.of_frame(frame), path_.is_png(), mean.image(), output_);
     }
   }
 

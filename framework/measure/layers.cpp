@@ -90,7 +90,11 @@ std::string reference_layer(const ImageFile& a, const ImageFile& reference) {
   const std::string quantity = a.quantity();
   const std::string theirs = reference.quantity();
   const bool same = theirs.empty() || theirs == quantity;
-  if (quantity.empty()) return std::string(rgb);
+  if (quantity.empty()) {
+    // An output that carries nothing ("indirect": null, all black) has no quantity, but it is still that output.
+    const std::string output = output_layer(a.image);
+    return !output.empty() && has_layer(reference.image, output) ? output : std::string(rgb);
+  }
   if (quantity == "radiance") {
     if (!same) mismatch(a, reference, "holds " + theirs);
     return std::string(rgb);

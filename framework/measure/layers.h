@@ -37,8 +37,8 @@ struct LOOM_API ImageFile {
 /// Reads .exr or .png by its ending (any case). Throws BadInput.
 LOOM_API ImageFile read_image(const std::string& path);
 
-/// Names of the layers of an image: "RGB", then the prefixes of dotted channels ("direct", "depth"), sorted. Where there
-/// is no RGB, bare channels ("Z") are layers of their own.
+/// Names of the layers of an image: "RGB", then the prefixes of dotted channels ("direct", "depth"), sorted. Where
+/// there is no RGB, bare channels ("Z") are layers of their own.
 LOOM_API std::vector<std::string> layer_names(const ImageLayers& image);
 
 /// The layer of that name: empty or "RGB" (any case) for the bare R G B (or Y alone), a prefix ("indirect"), or one
@@ -51,8 +51,8 @@ struct LayerPair {
 
 /// The layers to compare. `choice` is "A:REF", or one name for both. Without it, what A's `loom:quantity` says decides:
 /// radiance is compared with R G B, irradiance with the layer that `loom:output` names (absent: `indirect`), anything
-/// else with the layer named like it; without a quantity it is R G B on both sides. Throws BadInput where quantities do
-/// not match, a layer is missing, or sizes or channel counts differ.
+/// else with the layer named like it; without a quantity it is the layer named like the output, or R G B on both sides.
+/// Throws BadInput where quantities do not match, a layer is missing, or sizes or channel counts differ.
 LOOM_API LayerPair match_layers(const ImageFile& a, const ImageFile& reference,
                                 const std::optional<std::string>& choice = std::nullopt);
 

@@ -101,6 +101,8 @@ TEST(Layers, TheQuantityPicksTheLayerOfTheReference) {
   EXPECT_EQ(picked(plain("irradiance", "direct.irradiance.irradiance"), r), "RGB:direct");
   EXPECT_EQ(picked(plain("albedo"), r), "RGB:albedo");
   EXPECT_EQ(picked(plain("bounce"), r), "RGB:bounce");
+  EXPECT_EQ(picked(plain("", "indirect"), r), "RGB:indirect") << "an output that carries nothing";
+  EXPECT_EQ(picked(plain("", "hdr"), r), "RGB:RGB");
 }
 
 TEST(Layers, AOneChannelQuantityIsComparedOnItsFirstChannel) {
