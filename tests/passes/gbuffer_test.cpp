@@ -63,7 +63,7 @@ struct Surface {
 class GBuffer : public test::GlTest {
  protected:
   Surface render(Scene scene, const Camera& camera, const std::vector<std::string>& members,
-                 test::RenderOptions options = {}) {
+                 test::BenchOptions options = {}) {
     device_ = make_device();
     Surface surface;
     surface.bench = std::make_unique<test::Bench>(*device_, std::move(scene));
