@@ -30,6 +30,11 @@ void require_current_context() {
   install_debug_callback();
 }
 
+bool is_software_device() {
+  const std::string renderer = gl_string(GL_RENDERER);
+  return renderer.starts_with("llvmpipe") || renderer.starts_with("softpipe");
+}
+
 std::string describe_device() {
   return gl_string(GL_RENDERER) + " · " + gl_string(GL_VENDOR) + " · " + gl_string(GL_VERSION);
 }

@@ -28,5 +28,7 @@ class LOOM_API Context {
 LOOM_API void require_current_context();
 /// "llvmpipe (LLVM 15.0.6, 256 bits) · Mesa · 4.5 (Core Profile) Mesa 22.3.6"
 LOOM_API std::string describe_device();
+/// True where the current context draws on the CPU (llvmpipe, softpipe).
+LOOM_API bool is_software_device();
 
 }  // namespace loom::gpu

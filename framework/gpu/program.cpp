@@ -108,7 +108,7 @@ std::shared_ptr<GlProgram> GlProgram::compile(std::span<const ShaderSource> sour
   }
   if (!errors.empty()) fail("shader-compile", errors);
 
-  const std::shared_ptr<GlProgram> program(new GlProgram(glCreateProgram(), std::string(label)));
+  std::shared_ptr<GlProgram> program(new GlProgram(glCreateProgram(), std::string(label)));
   glProgramParameteri(program->name_, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
   for (const Shader& shader : shaders) glAttachShader(program->name_, shader.name());
   glLinkProgram(program->name_);

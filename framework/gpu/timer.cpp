@@ -12,7 +12,7 @@ constexpr std::size_t ring = 6;
 
 }  // namespace
 
-SpanTimer::SpanTimer(std::size_t spans) : frames_(ring), context_(current_context()) {
+SpanTimer::SpanTimer(std::size_t spans, bool settle) : frames_(ring), settle_(settle), context_(current_context()) {
   for (FrameMarks& frame : frames_) {
     frame.queries.resize(spans + 1);
     glCreateQueries(GL_TIMESTAMP, static_cast<GLsizei>(frame.queries.size()), frame.queries.data());
@@ -32,7 +32,9 @@ void SpanTimer::begin_frame() {
 
 void SpanTimer::mark() {
   FrameMarks& frame = frames_[current_];
+  if (settle_) glFinish();
   glQueryCounter(frame.queries[next_mark_++], GL_TIMESTAMP);
+  if (settle_) glFinish();  // or the mark itself waits in the queue
   frame.pending = next_mark_ == frame.queries.size();
 }
 

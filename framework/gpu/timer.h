@@ -11,7 +11,9 @@ namespace loom::gpu {
 /// Marks between spans: n+1 marks a frame measure n spans.
 class SpanTimer {
  public:
-  explicit SpanTimer(std::size_t spans);
+  /// `settle`: finish all work at each mark. A CPU rasteriser (llvmpipe) runs compute at the call but queues drawing
+  /// and the marks themselves, so that without it time lands in the wrong span; there it costs little, on a GPU much.
+  SpanTimer(std::size_t spans, bool settle);
   ~SpanTimer();
   SpanTimer(const SpanTimer&) = delete;
   SpanTimer& operator=(const SpanTimer&) = delete;
@@ -31,6 +33,7 @@ class SpanTimer {
   };
   std::vector<FrameMarks> frames_;  ///< ring
   std::size_t current_ = 0, next_mark_ = 0;
+  bool settle_ = false;
   void* context_ = nullptr;
 };
 

@@ -75,7 +75,7 @@ class RendererImpl final : public Renderer {
         structs_(graph_),
         frame_(graph_, storage_, structs_, frame_size(graph_)),
         keep_(graph_),
-        timer_(graph_.order.size()),
+        timer_(graph_.order.size(), options.wait && gpu::is_software_device()),
         gpu_ms_(graph_.order.size()),
         cpu_ms_(graph_.order.size()) {
     for (const CompiledPass& pass : graph_.passes)
@@ -261,8 +261,8 @@ class RendererImpl final : public Renderer {
       frame_.begin_pass();
       on_behalf(pass, "failed", [&] { pass.pass->execute(frame_, bindings); });
     }
-    timer_.mark();
     cpu_ms_[position].add(milliseconds(Clock::now() - start));
+    timer_.mark();
     if (options_.check_finite && (kept_.empty() || kept_.back() != pass.name)) check_finite(pass);
   }
 
