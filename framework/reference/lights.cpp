@@ -19,6 +19,8 @@ constexpr int lattice = 8;
 constexpr float least_texture = 1e-3F;
 /// Cosine sampling finds the sky by itself wherever it is open; light samples go to triangles first.
 constexpr float most_sky = .25F;
+/// Of the way to a punctual light: a light may touch a wall, as it may in the passes.
+constexpr float way_to_light = 1 - 1e-5F;
 
 /// A point of the unit square to barycentrics, area-preserving and nearly distance-preserving (Heitz 2019).
 glm::vec2 square_to_triangle(glm::vec2 u) {
@@ -127,6 +129,7 @@ glm::vec3 Lights::irradiance(const Punctual& light, const SurfacePoint& at, glm:
     if (!(squared > 0)) return glm::vec3(0);
     distance = std::sqrt(squared);
     direction = way / distance;
+    distance *= way_to_light;
     strength /= squared;
     if (light.kind == scene::LightKind::spot) {
       const float cosine = -glm::dot(light.direction, direction);
