@@ -63,8 +63,8 @@ class Report {
   Report& operator=(const Report&) = delete;
 
   bool operator()(const reference::Progress& p) {
-    if (p.noise && (convergence_.empty() || *p.noise != convergence_.back().noise)) {
-      convergence_.push_back({p.samples, p.seconds, *p.noise});
+    if (p.noise && (convergence_.empty() || p.measured_at != convergence_.back().samples)) {
+      convergence_.push_back({p.measured_at, p.seconds, *p.noise});
     }
     const auto now = Clock::now();
     if (terminal_ && now - last_ > std::chrono::milliseconds(100)) {

@@ -45,7 +45,11 @@ class Run {
       whole = true;
       if (measures_at(done_)) measure();
     }
-    if (changed_) save();
+    if (changed_) {
+      measure();
+      save();
+    }
+    tell(0);
   }
 
  private:
@@ -83,7 +87,7 @@ class Run {
 
   void measure() {
     progress_.noise = film_.relative_error();
-    measured_at_ = done_;
+    progress_.measured_at = done_;
   }
 
   void save() {
@@ -95,6 +99,7 @@ class Run {
     changed_ = false;
   }
 
+  /// `row_share`: of the rows, how many have the next round too. False where the caller wants to end.
   bool tell(double row_share) {
     if (!report_) return true;
     const double now = done_ + row_share * replicates;
@@ -106,7 +111,7 @@ class Run {
       progress_.expected = whole_rounds(*target_.samples);
     } else if (target_.noise && progress_.noise) {
       const double ratio = *progress_.noise / *target_.noise;
-      progress_.expected = whole_rounds(std::max(now, measured_at_ * ratio * ratio));
+      progress_.expected = whole_rounds(std::max(now, progress_.measured_at * ratio * ratio));
     }
     progress_.fraction = progress_.expected == 0 ? 0 : std::min(1., now / progress_.expected);
     const double rate = (now - first_) / std::max(progress_.seconds, 1e-9);
@@ -123,7 +128,7 @@ class Run {
   Progress progress_;
   Clock::time_point start_ = Clock::now(), saved_ = start_;
   std::uint64_t rays_before_ = film_.rays;
-  std::uint32_t first_ = 0, done_ = 0, measured_at_ = 0;
+  std::uint32_t first_ = 0, done_ = 0;
   double save_s_ = 0;
   int rows_ = 4;
   bool changed_ = false;

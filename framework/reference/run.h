@@ -23,6 +23,7 @@ struct Progress {
   std::uint32_t expected = 0;         ///< a pixel, when done; an estimate where the target is noise, 0 = unknown
   double fraction = 0;                ///< of the expected work, 0 … 1
   std::optional<double> noise;        ///< relative error, once it is known
+  std::uint32_t measured_at = 0;      ///< samples a pixel of which `noise` is
   double seconds = 0;                 ///< since the call
   std::optional<double> remaining_s;  ///< estimate
   double rays_per_s = 0;              ///< since the call

@@ -79,14 +79,15 @@ TEST_F(ReferencePass, RestsAtItsLimit) {
   EXPECT_EQ(after(2), after(3));
 }
 
-/// Where straight light is smooth: all of the 3×3 pixels around see one surface, lit alike within `variation` in both.
-bool smooth(const Film& film, const Texels& texels, int x, int y, double variation) {
+/// Where straight light is smooth: the 3×3 pixels around are lit alike within `variation` in both, and each sees one
+/// surface (the normals in it add up to `flatness` or more).
+bool smooth(const Film& film, const Texels& texels, int x, int y, double variation, double flatness) {
   double least = 1e300, most = 0;
   for (int j = y - 1; j <= y + 1; ++j) {
     for (int i = x - 1; i <= x + 1; ++i) {
       const PixelSums& p = film.pixel(i, j);
       const glm::dvec3 n = Film::mean(p, Layer::normal);
-      if (glm::length(n) < .999) return false;  // an edge, or strongly curved
+      if (glm::length(n) < flatness) return false;
       for (const double e :
            {Film::mean(p, Layer::direct).x, static_cast<double>(texels.at(i, film.size().y - 1 - j).x)}) {
         least = std::min(least, e);
@@ -103,12 +104,12 @@ struct Agreement {
   int off = 0;       ///< of which differ by more than .5 %
 };
 
-Agreement agreement(const Film& film, const Texels& texels, double variation) {
+Agreement agreement(const Film& film, const Texels& texels, double variation, double flatness) {
   double sum = 0, expected = 0;
   Agreement a;
   for (int y = 1; y + 1 < film.size().y; ++y) {
     for (int x = 1; x + 1 < film.size().x; ++x) {
-      if (!smooth(film, texels, x, y, variation)) continue;
+      if (!smooth(film, texels, x, y, variation, flatness)) continue;
       const double truth = Film::mean(film.pixel(x, y), Layer::direct).x;
       const double value = static_cast<double>(texels.at(x, film.size().y - 1 - y).x);
       ++a.pixels;
@@ -118,7 +119,7 @@ Agreement agreement(const Film& film, const Texels& texels, double variation) {
     }
   }
   a.ratio = sum / expected;
-  EXPECT_GT(a.pixels, film.size().x * film.size().y / 20) << "too few pixels to say anything";
+  EXPECT_GT(a.pixels, 200) << "too few to say anything";
   return a;
 }
 
@@ -131,12 +132,13 @@ TEST_F(ReferencePass, DirectLightAgreesOnTheCornellBox) {
   Bench bench(*device, scene);
   bench.look(cornell_camera());
   const Texels direct = bench.image("direct.json", "direct.irradiance.irradiance", {.size = size});
-  const Agreement a = agreement(render(scene, cornell_camera(), size, 64, {.bounces = 0}), direct, .05);
+  const Agreement a = agreement(render(scene, cornell_camera(), size, 64, {.bounces = 0}), direct, .05, .999);
   EXPECT_LE(a.off, a.pixels / 100) << "of " << a.pixels;
   EXPECT_NEAR(a.ratio, 1, .005);
 }
 
-// In the mean within .5 %: the stone's normal maps differ from texel to texel, and the rasteriser reads them filtered.
+// The stone's normal maps differ from texel to texel and the rasteriser reads them filtered: one pixel in twenty may be
+// off by more.
 TEST_F(ReferencePass, DirectLightAgreesOnSponza) {
   const char* scenes = std::getenv("LOOM_SCENES");
   if (scenes == nullptr || !std::filesystem::exists(std::string(scenes) + "/sponza-crytek/sponza.gltf")) {
@@ -152,9 +154,9 @@ TEST_F(ReferencePass, DirectLightAgreesOnSponza) {
   bench.look(setup.camera);
   const Texels direct = bench.image("direct.json", "direct.irradiance.irradiance",
                                     {.size = size, .set = {{"rsm", "size", "32"}, {"rsm", "shadow_size", "1024"}}});
-  const Agreement a = agreement(render(setup.scene, setup.camera, size, 64, {.bounces = 0}), direct, 1);
-  EXPECT_NEAR(a.ratio, 1, .005) << a.pixels << " pixels, " << a.off << " off by more than that";
-  std::cout << a.ratio << " " << a.pixels << " " << a.off << "\n";
+  const Agreement a = agreement(render(setup.scene, setup.camera, size, 64, {.bounces = 0}), direct, .1, .97);
+  EXPECT_LE(a.off, a.pixels / 20) << "of " << a.pixels;
+  EXPECT_NEAR(a.ratio, 1, .005);
 }
 
 }  // namespace
