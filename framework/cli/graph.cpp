@@ -6,10 +6,10 @@
 
 #include "cli/commands.h"
 #include "cli/compile_arguments.h"
-#include "cli/dot.h"
-#include "cli/json_out.h"
+#include "cli/svg.h"
 #include "core/image_io.h"
 #include "graph/compile/compile.h"
+#include "graph/compile/export.h"
 
 namespace loom::cli {
 namespace {
@@ -18,40 +18,16 @@ struct Arguments {
   std::string pipeline, scene, format = "svg", out;
 };
 
-Json graph_json(const graph::CompiledGraph& graph) {
-  Json document = versioned();
-  document["name"] = graph.name;
-  document["summary"] = graph.summary;
-  Json& passes = document["passes"] = Json::array();
-  for (const graph::CompiledPass& pass : graph.passes) {
-    passes.push_back({{"name", pass.name}, {"type", pass.type}, {"runs", pass.runs}});
-  }
-  Json& edges = document["edges"] = Json::array();
-  for (const graph::Edge& e : graph.edges) {
-    edges.push_back({{"from", e.from_pass + "." + e.from_port},
-                     {"to", e.to_pass + "." + e.to_port},
-                     {"type", e.type},
-                     {"history", e.history}});
-  }
-  Json& outputs = document["outputs"] = Json::array();
-  for (const graph::GraphOutput& o : graph.outputs) {
-    outputs.push_back({{"name", o.name}, {"endpoint", o.endpoint}, {"quantity", o.quantity}});
-  }
-  Json& pruned = document["pruned"] = Json::array();
-  for (const graph::Pruned& p : graph.pruned) pruned.push_back({{"what", p.what}, {"why", p.why}});
-  return document;
-}
-
 void run(const Arguments& arguments, const Session& session) {
   const Registry registry = load_registry(session);
   const LoadedScene scene = load_scene(arguments.scene);
   const graph::CompiledGraph graph = compile(find_pipeline(arguments.pipeline), registry, scene.facts, {});
   std::string text;
   if (arguments.format == "json") {
-    text = text_of(graph_json(graph));
+    text = graph::to_json(graph);
   } else {
-    text = dot_text(graph);
-    if (arguments.format == "svg") text = svg_of(text);
+    text = graph::to_dot(graph);
+    if (arguments.format == "svg") text = svg_from_dot(text);
   }
   if (arguments.out.empty()) {
     std::fwrite(text.data(), 1, text.size(), stdout);

@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "cli/json_out.h"
+#include "graph/compile/export.h"
 #include "loom/facts.h"
 #include "loom/params.h"
 #include "loom/pass.h"
@@ -161,11 +162,19 @@ void print_type(const PassType& type) {
 
 struct Arguments {
   std::string type;
+  bool schema = false;
 };
 
 void run(const Arguments& arguments, Session& session) {
   Diagnostics refused;
   const Registry registry = load_registry(session, &refused);
+  // Printing what there is was the work: a plugin that is missing from it is a failure of it.
+  if (refused.has_errors()) session.exit_code = 1;
+  if (arguments.schema) {
+    const std::string text = graph::pipeline_schema(registry);
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return;
+  }
   std::vector<const PassType*> shown;
   for (const PassType& type : registry.passes()) {
     if (arguments.type.empty() || type.name == arguments.type) shown.push_back(&type);
@@ -188,8 +197,6 @@ void run(const Arguments& arguments, Session& session) {
   } else {
     for (const PassType* type : shown) std::printf("%-16s %s\n", type->name.c_str(), type->summary.c_str());
   }
-  // Listing what there is was the work: a plugin that is missing from the list is a failure of it.
-  if (refused.has_errors()) session.exit_code = 1;
 }
 
 }  // namespace
@@ -198,7 +205,10 @@ void add_passes(CLI::App& app, Session& session) {
   auto* command = app.add_subcommand("passes", "List the pass types, or describe one: ports and parameters");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("type", arguments->type, "Describe this one");
+  auto* schema =
+      command->add_flag("--schema", arguments->schema, "Write the JSON Schema of pipeline files, for editors");
   add_json_option(*command, session);
+  schema->excludes("--json")->excludes("type");
   add_plugin_option(*command, session);
   command->callback([arguments, &session] { run(*arguments, session); });
 }

@@ -6,8 +6,8 @@
 
 #include "cli/commands.h"
 #include "cli/compile_arguments.h"
-#include "cli/json_out.h"
 #include "graph/compile/compile.h"
+#include "graph/compile/export.h"
 #include "loom/formats.h"
 
 namespace loom::cli {
@@ -24,56 +24,6 @@ std::string size_of(const graph::Resource& resource) {
   const std::string text = to_string(*texture);  // "rgba16f 512x512 x6": the format has a field of its own
   const std::size_t space = text.find(' ');
   return space == std::string::npos ? text : text.substr(space + 1);
-}
-
-Json facts_json(const SceneFacts& facts) {
-  return {{"spot_lights", facts.spot_lights},
-          {"wide_spot_lights", facts.wide_spot_lights},
-          {"point_lights", facts.point_lights},
-          {"directional_lights", facts.directional_lights},
-          {"light_faces", facts.light_faces()},
-          {"sky", facts.sky},
-          {"emissive_triangles", facts.emissive_triangles},
-          {"emissive_textures", facts.emissive_textures},
-          {"alpha_mask", facts.alpha_mask},
-          {"normal_maps", facts.normal_maps},
-          {"textures", facts.textures},
-          {"moves", facts.moves},
-          {"max_chroma", facts.max_chroma},
-          {"max_albedo", facts.max_albedo},
-          {"thinnest_feature_m", facts.thinnest_feature},
-          {"bounds_min", {facts.bounds_min.x, facts.bounds_min.y, facts.bounds_min.z}},
-          {"bounds_max", {facts.bounds_max.x, facts.bounds_max.y, facts.bounds_max.z}},
-          {"triangles", facts.triangles}};
-}
-
-Json plan_json(const graph::CompiledGraph& graph, const SceneFacts& facts) {
-  Json document = versioned();
-  document["pipeline"] = graph.name;
-  Json& passes = document["passes"] = Json::array();
-  for (const int index : graph.order) {
-    const graph::CompiledPass& pass = graph.passes[static_cast<std::size_t>(index)];
-    passes.push_back({{"name", pass.name}, {"type", pass.type}});
-  }
-  Json& resources = document["resources"] = Json::array();
-  for (const graph::Resource& r : graph.resources) {
-    resources.push_back({{"name", r.name},
-                         {"format", format_of(r)},
-                         {"size", size_of(r)},
-                         {"bytes", r.bytes},
-                         {"first", r.first},
-                         {"last", r.last},
-                         {"slot", r.slot}});
-  }
-  document["memory"] = {{"textures_bytes", graph.bytes}, {"without_aliasing_bytes", graph.bytes_without_aliasing}};
-  Json& pruned = document["pruned"] = Json::array();
-  for (const graph::Pruned& p : graph.pruned) pruned.push_back({{"what", p.what}, {"why", p.why}});
-  document["facts"] = facts_json(facts);
-  Json& decisions = document["decisions"] = Json::array();
-  for (const Decision& d : graph.decisions) {
-    decisions.push_back({{"rule", d.rule}, {"decision", d.decision}, {"evidence", d.evidence}});
-  }
-  return document;
 }
 
 void print_plan(const graph::CompiledGraph& graph) {
@@ -104,7 +54,8 @@ void run(const CompileArguments& arguments, const std::vector<std::string>& outp
   options.requested = outputs;
   const graph::CompiledGraph graph = compile(pipeline_of(arguments, scene.setup), registry, scene.facts, options);
   if (session.json) {
-    print(plan_json(graph, scene.facts));
+    const std::string text = graph::plan_json(graph, scene.facts);
+    std::fwrite(text.data(), 1, text.size(), stdout);
   } else {
     print_plan(graph);
   }

@@ -1,27 +1,15 @@
 # The layout of an installation, which can be moved as a whole:
 #   bin/loom  lib/libloom.so  lib/loom/passes/*.so  lib/cmake/Loom
-#   include/loom  include/interop (pass authors)  include/lightloom (programs that embed the framework)
+#   include/loom  include/interop
 #   share/loom/{pipelines,shaders,configs}
 include(CMakePackageConfigHelpers)
 
 set_target_properties(loom_cli PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 set_target_properties(loom PROPERTIES EXPORT_NAME loom)
 
-add_library(loom_embed INTERFACE)
-add_library(Loom::embed ALIAS loom_embed)
-set_target_properties(loom_embed PROPERTIES EXPORT_NAME embed)
-target_link_libraries(loom_embed INTERFACE loom)
-target_include_directories(loom_embed INTERFACE
-  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/framework> $<INSTALL_INTERFACE:include/lightloom>)
-
-install(TARGETS loom loom_embed EXPORT LoomTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS loom EXPORT LoomTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS loom_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY framework/include/loom shaders/interop DESTINATION include)
-foreach(header core/data_dir.h core/image_io.h core/log.h gpu/context.h gpu/device.h graph/compile/compile.h
-               graph/run/renderer.h plugins/loader.h scene/gpu_scene.h scene/load.h scene/scene.h)
-  get_filename_component(folder ${header} DIRECTORY)
-  install(FILES framework/${header} DESTINATION include/lightloom/${folder})
-endforeach()
 install(DIRECTORY pipelines shaders configs DESTINATION ${CMAKE_INSTALL_DATADIR}/loom)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Loom)

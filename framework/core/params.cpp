@@ -1,6 +1,8 @@
 #include "loom/params.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -222,6 +224,13 @@ bool Params::set_text(std::string_view name, std::string_view text, std::string_
     value = {};
     value.kind = json::Kind::string;
     value.string = std::string(text);
+    // `.5` and `2.` are numbers to everybody but JSON.
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (!wants_string && error == std::errc{} && end == text.data() + text.size() && std::isfinite(number)) {
+      value.kind = json::Kind::number;
+      value.number = number;
+    }
   }
   const auto place = [&](auto&& self, json::Node& node) -> void {
     node.where = {source, 0, 0, {}};  // a column inside an argument says nothing

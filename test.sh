@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# Everything that must hold: release build and its fast tests, formatting, clang-tidy, then the same tests under
+# AddressSanitizer and UndefinedBehaviorSanitizer. Quiet unless something fails, quick when run again.
+#
+# Environment
+#   LOOM_JOBS=n          parallel jobs; default: the number of processors
+#   LOOM_TESTS=regex     only the tests whose names match (ctest -R)
+#   LOOM_SANITIZE=0      leave out the sanitized build
+#   LOOM_TIDY=0          leave out clang-tidy
+#   LOOM_TIDY_SECONDS=n  time for clang-tidy, 420; changed files come first, clean ones are remembered in build/
+#   LOOM_SCENES=folder   scenes that are not shipped; default ../shared/scenes. Tests that need them skip without
+set -uo pipefail
+cd "$(dirname "$0")" || exit 1
+. framework/cmake/steps.sh
+
+install_packages test || exit 1
+
+failures=()
+summary=
+# run_tests FOLDER: the fast tests of that build; the line that sums them up is kept for the end.
+run_tests() {
+  local log
+  step "tests in $1" ctest --test-dir "$1" --output-on-failure --parallel "$jobs" --label-exclude slow \
+    --no-tests=error ${LOOM_TESTS:+-R "$LOOM_TESTS"} || failures+=("tests in $1")
+  log=$logs/$(printf '%s' "tests in $1" | tr -cs 'a-zA-Z0-9' '-').log
+  summary+="$1: $(grep 'tests passed' "$log" | tail -n 1)"$'\n'
+}
+
+step "configuring" configure build -DLOOM_TESTS=ON || exit 1
+step "building" cmake --build build --parallel "$jobs" || exit 1
+run_tests build
+step "formatting" tests/tools/format_check.sh || failures+=("formatting")
+if [ "${LOOM_TIDY:-1}" != 0 ]; then
+  step "clang-tidy" python3 tests/tools/tidy.py --build build --jobs "$jobs" --seconds "${LOOM_TIDY_SECONDS:-420}" ||
+    failures+=("clang-tidy")
+  tail -n 1 "$logs/clang-tidy.log"
+fi
+if [ "${LOOM_SANITIZE:-1}" != 0 ]; then
+  step "configuring with sanitizers" configure build-sanitize -DLOOM_TESTS=ON -DLOOM_SANITIZE=ON \
+    -DCMAKE_BUILD_TYPE=RelWithDebInfo || exit 1
+  step "building with sanitizers" cmake --build build-sanitize --parallel "$jobs" || exit 1
+  run_tests build-sanitize
+fi
+
+echo
+if [ ${#failures[@]} -gt 0 ]; then
+  printf 'failed: %s\n' "${failures[@]}"
+fi
+printf '%s' "$summary"
+[ ${#failures[@]} -eq 0 ]
