@@ -8,8 +8,8 @@ namespace loom {
 
 /// The folder that holds libloom.so, links resolved; empty where it cannot be told.
 LOOM_API std::string library_dir();
-/// LOOM_DATA_DIR where it is set, else `<prefix>/share/loom` of the installation that this library is part of (in a build
-/// tree a link to the sources). Throws Error that names what was tried.
+/// LOOM_DATA_DIR where it is set, else `<prefix>/share/loom` of the installation that this library is part of (in a
+/// build tree a link to the sources). Throws Error that names what was tried.
 LOOM_API std::string data_dir();
 
 }  // namespace loom

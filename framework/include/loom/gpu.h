@@ -79,8 +79,8 @@ using Define = std::pair<std::string, std::string>;
 
 /// Shader stages by file, below the shader roots (`gather_rsm/gather.comp`); the suffix names the stage. A fragment
 /// stage alone gets the vertex stage of a full-screen triangle (Frame::fullscreen). `#version 450 core` and the defines
-/// are put at the top; `#include "…"` is looked up beside the including file, then below the roots. `layout(binding = …)`
-/// is ignored: units and binding points are given out at link time, and ProgramInterface says them.
+/// are put at the top; `#include "…"` is looked up beside the including file, then below the roots. `layout(binding =
+/// …)` is ignored: units and binding points are given out at link time, and ProgramInterface says them.
 struct ProgramDesc {
   std::vector<std::string> files;
   std::vector<Define> defines;
