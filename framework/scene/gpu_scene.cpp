@@ -128,7 +128,8 @@ class Geometry {
     return moved;
   }
 
-  void draw(const Program& program, const Scene& scene, const MaterialTextures& textures, int instances) const {
+  void draw(const Program& program, const Scene& scene, const MaterialTextures& textures, int instances,
+            Surfaces which) const {
     if (!draws_ || instances < 1) return;
     glUseProgram(program.name());
     glDisable(GL_CULL_FACE);
@@ -146,6 +147,8 @@ class Geometry {
     }
     for (const Batch& batch : packed_.batches) {
       const Material& material = scene.materials[static_cast<std::size_t>(batch.material)];
+      const bool masked = material.alpha == AlphaMode::mask;
+      if (which != Surfaces::all && masked != (which == Surfaces::masked)) continue;
       for (const auto& [sampler, unit] : units) {
         const MaterialTextures::Binding binding = textures.binding(material.*sampler->ref, sampler->encoding);
         glBindTextureUnit(unit, binding.texture);
@@ -229,8 +232,8 @@ class GpuSceneImpl final : public GpuScene {
   [[nodiscard]] std::uint64_t lights_version() const override { return lights_version_; }
   [[nodiscard]] const Scene* cpu_scene() const override { return &scene_; }
 
-  void draw(const Program& program, int instances) const override {
-    geometry_->draw(program, scene_, textures_, instances);
+  void draw(const Program& program, int instances, Surfaces which) const override {
+    geometry_->draw(program, scene_, textures_, instances, which);
   }
 
   [[nodiscard]] const Buffer* buffer(std::string_view block) const override {

@@ -79,17 +79,20 @@ class GBuffer final : public Pass {
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
-    ProgramDesc desc{.files = {"gbuffer/gbuffer.vert", "gbuffer/gbuffer.frag"}, .defines = scene_defines(facts_)};
-    for (const Member& member : members) {
-      if (bindings.has(member.path)) desc.defines.emplace_back(member.define, "1");
-    }
-    program_ = device.program(desc);
+    SceneFacts opaque = facts_;
+    opaque.alpha_mask = false;
+    opaque_ = program_of(device, bindings, opaque);
+    masked_ = facts_.alpha_mask ? program_of(device, bindings, facts_) : nullptr;
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
     frame.begin_raster(bindings);
-    frame.bind(*program_, bindings);
-    frame.scene().draw(*program_);
+    frame.bind(*opaque_, bindings);
+    frame.scene().draw(*opaque_, 1, Surfaces::opaque);
+    if (masked_) {
+      frame.bind(*masked_, bindings);
+      frame.scene().draw(*masked_, 1, Surfaces::masked);
+    }
     bindings.publish("surface", frame.camera());
   }
 
@@ -100,8 +103,16 @@ class GBuffer final : public Pass {
   }
 
  private:
+  static std::shared_ptr<const Program> program_of(Device& device, const Bindings& bindings, const SceneFacts& facts) {
+    ProgramDesc desc{.files = {"gbuffer/gbuffer.vert", "gbuffer/gbuffer.frag"}, .defines = scene_defines(facts)};
+    for (const Member& member : members) {
+      if (bindings.has(member.path)) desc.defines.emplace_back(member.define, "1");
+    }
+    return device.program(desc);
+  }
+
   SceneFacts facts_;
-  std::shared_ptr<const Program> program_;
+  std::shared_ptr<const Program> opaque_, masked_;  ///< masked_ is null where nothing is
 };
 
 }  // namespace
