@@ -57,7 +57,7 @@ class MaterialPoint {
                               : factor;
   }
   [[nodiscard]] bool cut_out() const {
-    return geometry_.material->alpha == scene::AlphaMode::mask && base_color().a < geometry_.material->alpha_cutoff;
+    return geometry_.material->alpha == scene::AlphaMode::mask && base_color().a < geometry_.material->least_alpha();
   }
   /// World space, of the file's own side; zero where the file's normals cancel.
   [[nodiscard]] glm::vec3 normal() const {

@@ -57,7 +57,7 @@ class Radiance {
       if (base_ != nullptr) {
         alpha *= sample(*base_, material_.base_color_texture, Encoding::srgb, interpolate(base_uv_, weight)).a;
       }
-      if (!(alpha >= material_.alpha_cutoff)) return glm::vec3(0);
+      if (!(alpha >= material_.least_alpha())) return glm::vec3(0);
     }
     if (emissive_ == nullptr) return material_.emissive;
     const glm::vec4 texel =

@@ -54,7 +54,7 @@ std::vector<interop::Material> material_records(const Scene& scene) {
   for (const Material& material : scene.materials) {
     interop::Material record{};
     record.base_color = material.base_color;
-    record.emissive = glm::vec4(material.emissive, material.alpha_cutoff);
+    record.emissive = glm::vec4(material.emissive, material.least_alpha());
     record.factors = {material.metallic, material.normal_scale, material.roughness, 0};
     const auto flag = [&](bool on, unsigned int bit) { record.flags.x |= on ? bit : 0U; };
     const bool masked = material.alpha == AlphaMode::mask;
@@ -80,7 +80,7 @@ glm::vec3 mean_albedo(const Scene& scene, const Material& material) {
   glm::vec3 base(material.base_color);
   if (const Image* image = image_of(scene, material.base_color_texture)) {
     const bool masked = material.alpha == AlphaMode::mask && material.base_color.a > 0;
-    base *= glm::vec3(mean_texel(*image, Encoding::srgb, masked ? material.alpha_cutoff / material.base_color.a : 0));
+    base *= glm::vec3(mean_texel(*image, Encoding::srgb, masked ? material.least_alpha() / material.base_color.a : 0));
   }
   float metallic = material.metallic;
   if (const Image* image = image_of(scene, material.metallic_roughness_texture)) {

@@ -254,6 +254,16 @@ TEST_F(GBuffer, MaskCutsByTextureFactorAndVertexAlpha) {
   EXPECT_FALSE(seen(48, 50));
 }
 
+// Interpolation rounds a constant: without the bound in Material::least_alpha() a slanted surface has holes.
+TEST_F(GBuffer, AlphaThatEqualsTheCutoffIsThereEverywhere) {
+  Scene one = empty_scene();
+  place(one, quad({-9, -9, 1}, {18, 0, 0}, {0, 18, -5},
+                  add_material(one, {.base_color = {1, 1, 1, .5F}, .alpha_cutoff = .5F, .alpha = AlphaMode::mask})));
+  const Surface slanted = render(std::move(one), front_camera(false), {"depth"});
+  for (int y = 16; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) ASSERT_GT(slanted.depth(x, y), 0) << x << ' ' << y;
+}
+
 TEST_F(GBuffer, NormalsFaceTheViewerOnBothSides) {
   Scene scene = empty_scene();
   place(scene, quad({-2, -1, 0}, {2, 0, 0}, {0, 2, 0}));
