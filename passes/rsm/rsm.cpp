@@ -79,26 +79,31 @@ class RSM final : public Pass {
 
   void prepare(Device& device, const Bindings& bindings) override {
     const std::string invocations = std::to_string(std::min(faces_, max_invocations));
-    auto defines = scene_defines(facts_);
-    defines.emplace_back("INVOCATIONS", invocations);
+    std::vector<Define> targets;
     colors_.clear();
     for (const auto& [member, define] : {std::pair<std::string_view, const char*>{"lights.flux", "FLUX_LOCATION"},
                                          {"lights.normal", "NORMAL_LOCATION"},
                                          {"lights.depth", "DEPTH_LOCATION"}}) {
       if (!bindings.has(member)) continue;
-      defines.emplace_back(define, std::to_string(colors_.size()));
+      targets.emplace_back(define, std::to_string(colors_.size()));
       colors_.push_back(member);
     }
-    if (!colors_.empty()) {
-      maps_ = device.program({.files = {"rsm/rsm.vert", "rsm/rsm.geom", "rsm/rsm.frag"}, .defines = defines});
-    }
+    // A discard costs the early depth test, so that what a mask cuts is drawn by a program of its own.
+    SceneFacts opaque = facts_;
+    opaque.alpha_mask = false;
+    const auto programs = [&](const char* fragment, const SceneFacts& unmasked, std::span<const Define> outputs) {
+      const auto program = [&](const SceneFacts& facts) {
+        auto defines = scene_defines(facts);
+        defines.emplace_back("INVOCATIONS", invocations);
+        defines.insert(defines.end(), outputs.begin(), outputs.end());
+        return device.program({.files = {"rsm/rsm.vert", "rsm/rsm.geom", fragment}, .defines = defines});
+      };
+      return Programs{program(unmasked), facts_.alpha_mask ? program(facts_) : nullptr};
+    };
+    if (!colors_.empty()) maps_ = programs("rsm/rsm.frag", opaque, targets);
     if (bindings.has("lights.shadow")) {
-      // A shadow needs textures only for what a mask cuts out.
-      SceneFacts cut = facts_;
-      cut.textures = cut.textures && cut.alpha_mask;
-      auto plain = scene_defines(cut);
-      plain.emplace_back("INVOCATIONS", invocations);
-      shadow_ = device.program({.files = {"rsm/rsm.vert", "rsm/rsm.geom", "rsm/shadow.frag"}, .defines = plain});
+      opaque.textures = false;  // depth alone needs them only for what a mask cuts out
+      shadow_ = programs("rsm/shadow.frag", opaque, {});
     }
   }
 
@@ -116,13 +121,13 @@ class RSM final : public Pass {
     if (bindings.has("lights.shadow")) {
       static constexpr std::array<std::string_view, 1> members{"lights.shadow"};
       frame.begin_raster(bindings, members);
-      draw(frame, bindings, *shadow_);
+      draw(frame, bindings, shadow_);
     }
     if (!colors_.empty()) {
       auto members = colors_;
       members.emplace_back("scratch.depth");
       frame.begin_raster(bindings, members);
-      draw(frame, bindings, *maps_);
+      draw(frame, bindings, maps_);
     }
   }
 
@@ -134,13 +139,22 @@ class RSM final : public Pass {
  private:
   [[nodiscard]] std::size_t face_bytes() const { return static_cast<std::size_t>(faces_) * sizeof(interop::LightFace); }
 
-  void draw(Frame& frame, const Bindings& bindings, const Program& program) const {
+  struct Programs {
+    std::shared_ptr<const Program> opaque, masked;  ///< masked is null where nothing is
+  };
+
+  void draw(Frame& frame, const Bindings& bindings, const Programs& programs) const {
+    draw(frame, bindings, *programs.opaque, Surfaces::opaque);
+    if (programs.masked) draw(frame, bindings, *programs.masked, Surfaces::masked);
+  }
+
+  void draw(Frame& frame, const Bindings& bindings, const Program& program, Surfaces which) const {
     frame.bind(program, bindings);
     for (int first = 0; first < faces_; first += max_invocations) {
       program.set("first_face", first);
       program.set("face_count", faces_);
       program.set("map_size", size_);
-      frame.scene().draw(program);
+      frame.scene().draw(program, 1, which);
     }
   }
 
@@ -149,7 +163,7 @@ class RSM final : public Pass {
   int faces_ = 0;
   SceneFacts facts_;
   std::vector<std::string_view> colors_;
-  std::shared_ptr<const Program> maps_, shadow_;
+  Programs maps_, shadow_;
 };
 
 }  // namespace
