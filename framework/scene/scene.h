@@ -41,8 +41,8 @@ struct Material {
   glm::vec3 emissive{0};  ///< emissiveFactor × strength: exitant radiance, W/(m² sr)
   float normal_scale = 1;
   float alpha_cutoff = .5f;
-  /// Alpha from which a masked surface is there. A constant alpha that equals the cutoff passes, though interpolating it
-  /// over a triangle rounds it by some units in the last place; 2⁻²⁰ bounds them.
+  /// Alpha from which a masked surface is there. A constant alpha that equals the cutoff passes, though interpolating
+  /// it over a triangle rounds it by some units in the last place; 2⁻²⁰ bounds them.
   [[nodiscard]] float least_alpha() const { return alpha_cutoff * (1 - 0x1p-20f); }
   AlphaMode alpha = AlphaMode::opaque;
   bool double_sided = false;
