@@ -122,7 +122,7 @@ class Reader {
     if (const Node* type = entry.value.find("type"))
       in.type = text(*type, "type");
     else
-      wrong(entry.value, "input \"" + entry.key + "\" needs a \"type\"");
+      wrong(entry.value, "input \"" + entry.key + R"(" needs a "type")");
     if (const Node* optional = entry.value.find("optional")) in.optional = optional->boolean;
     if (const Node* reads = entry.value.find("reads")) {
       if (!reads->is(Kind::array)) wrong(*reads, "reads must be a list of member names");
@@ -171,13 +171,13 @@ class Reader {
     }
     const Node* type = entry.value.find("type");
     const bool integer = type != nullptr && type->string == "int";
-    if (type != nullptr && !integer && type->string != "float") wrong(*type, "type must be \"int\" or \"float\"");
+    if (type != nullptr && !integer && type->string != "float") wrong(*type, R"(type must be "int" or "float")");
     u.min = bound(entry.value, "min", what, !value->is(Kind::boolean));
     u.max = bound(entry.value, "max", what, !value->is(Kind::boolean));
     if (const Node* doc = entry.value.find("doc")) u.doc = text(*doc, "doc");
     if (const Node* unit = entry.value.find("unit")) u.unit = text(*unit, "unit");
     if (const Node* scale = entry.value.find("scale")) {
-      if (scale->string != "log" && scale->string != "linear") wrong(*scale, "scale must be \"linear\" or \"log\"");
+      if (scale->string != "log" && scale->string != "linear") wrong(*scale, R"(scale must be "linear" or "log")");
       if (scale->string == "log") u.scale = Scale::log;
     }
     const auto in_range = [&](const Node& item) {

@@ -59,7 +59,7 @@ def main():
     parser.add_argument("--build", default="build")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=420)
-    parser.add_argument("--filter", default="", help="only files whose path matches")
+    parser.add_argument("--filter", default="", help="only files whose path in the tree matches")
     arguments = parser.parse_args()
     root = pathlib.Path(__file__).resolve().parents[2]
     build = str(pathlib.Path(arguments.build).resolve())
@@ -67,9 +67,13 @@ def main():
     memory.mkdir(exist_ok=True)
     checks = (root / ".clang-tidy").read_bytes()
 
+    # Clang does not know this flag of GCC, which passes are built with.
+    commands = (pathlib.Path(build) / "compile_commands.json").read_text().replace(" -fno-gnu-unique", "")
+    (memory / "compile_commands.json").write_text(commands)
+
     included = dependencies(build)
     first = changed(root)
-    files = [f for f in sources(build, root) if re.search(arguments.filter, f)]
+    files = [f for f in sources(build, root) if re.search(arguments.filter, str(pathlib.Path(f).relative_to(root)))]
     keys = {f: digest(f, included.get(f, []), root, checks) for f in files}
     files.sort(key=lambda f: (f not in first, not first.intersection(included.get(f, [])), f))
     todo = [f for f in files if not (memory / keys[f]).exists()]
@@ -80,7 +84,7 @@ def main():
     def check(file):
         if time.monotonic() > deadline:
             return None
-        done = subprocess.run(["clang-tidy", "-p", build, "--quiet", file], capture_output=True, text=True, check=False)
+        done = subprocess.run(["clang-tidy", "-p", str(memory), "--quiet", file], capture_output=True, text=True, check=False)
         if done.returncode == 0:
             (memory / keys[file]).touch()
         return done
