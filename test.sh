@@ -7,8 +7,8 @@
 #   LOOM_TESTS=regex     only the tests whose names match (ctest -R)
 #   LOOM_SANITIZE=0      leave out the sanitized build
 #   LOOM_TIDY=0          leave out clang-tidy
-#   LOOM_TIDY_FILES=re   files that clang-tidy looks at, by path; default ^passes/, since the whole tree takes an hour on
-#                        two cores. Clean files are remembered in build/
+#   LOOM_TIDY_FILES=re   files that clang-tidy looks at, by path; default ^passes/, since the whole tree takes long.
+#                        Clean files are remembered in build/
 #   LOOM_TIDY_SECONDS=n  time for clang-tidy, 420; files with changes come first, what is not reached is counted
 #   LOOM_SCENES=folder   scenes that are not shipped; default ../shared/scenes. Tests that need them skip without
 set -uo pipefail
