@@ -15,13 +15,13 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -87,12 +87,10 @@ std::vector<std::byte> read_bytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::error_code ignored;
   if (!file || fs::is_directory(path, ignored)) bad_image(path, "cannot be read: no such file, or no permission");
-  std::vector<std::byte> bytes;
   const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
-  bytes.resize(text.size());
-  std::memcpy(bytes.data(), text.data(), text.size());
-  if (bytes.empty()) bad_image(path, "is empty");
-  return bytes;
+  if (text.empty()) bad_image(path, "is empty");
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace
