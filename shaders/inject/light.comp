@@ -1,7 +1,7 @@
 // Injects one light's texels: each is a small Lambertian emitter of flux Φ, I(ω) += Φ/π·lobe(n), and a blocker of area
 // A = r²·ω_texel/<n,−l>. The emitter moves half a cell along its normal, so that a wall does not light itself.
 #include "inject/inject.glsl"
-#include "interop/light.h"
+#include "lib/rsm.glsl"
 #include "lib/sh.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -16,12 +16,6 @@ uniform int first_face;
 uniform float flux_scale;  // fixed-point units a W/sr, derived from this light's own power
 uniform float area_scale;
 
-float falloff(Light light, vec3 direction) {
-  if (int(light.position.w) != LIGHT_SPOT) return 1.0;
-  float t = clamp((dot(direction, light.direction.xyz) - light.cone.x) * light.cone.y, 0.0, 1.0);
-  return t * t;
-}
-
 void main() {
   ivec2 size = textureSize(lights_flux, 0).xy;
   if (any(greaterThanEqual(ivec2(gl_GlobalInvocationID.xy), size))) return;
@@ -33,28 +27,12 @@ void main() {
   Light light = scene_light[int(face.origin.w)];
   vec3 n = normalize(texelFetch(lights_normal, texel, 0).xyz);
   vec3 flux = texelFetch(lights_flux, texel, 0).rgb;
-  vec2 p = 2.0 * (vec2(texel.xy) + 0.5) / vec2(size) - 1.0;
-  vec3 across = p.x * face.right.xyz + p.y * face.up.xyz;
-  float width = length(face.right.xyz), height = length(face.up.xyz);
-  bool directional = int(face.forward.w) == LIGHT_DIRECTIONAL;
-
-  vec3 direction, position;
-  float facing_area;  // of the texel, on a plane that faces the light, at the surface
-  vec3 received;      // flux that arrives in the texel
-  float cell_area = 4.0 * width * height / float(size.x * size.y);
-  if (directional) {
-    direction = face.forward.xyz;
-    position = face.origin.xyz + across + depth * direction;
-    facing_area = cell_area;
-    received = light.intensity.rgb * cell_area;
-  } else {
-    vec3 ray = face.forward.xyz + across;
-    direction = normalize(ray);
-    position = face.origin.xyz + depth * direction;
-    float solid_angle = cell_area / pow(dot(ray, ray), 1.5);
-    facing_area = depth * depth * solid_angle;
-    received = light.intensity.rgb * falloff(light, direction) * solid_angle;
-  }
+  vec2 q = texel_plane(texel.xy, size.x);
+  vec3 position = face_position(face, q, depth);
+  vec3 direction = is_directional(face) ? face.forward.xyz : normalize(face_ray(face, q));
+  float measure = texel_measure(face, q, size.x);  // solid angle; directional: area
+  vec3 received = light_intensity(light, direction) * measure;  // flux that arrives in the texel
+  float facing_area = is_directional(face) ? measure : depth * depth * measure;
 
   vec3 albedo = vec3(0);
   for (int channel = 0; channel < 3; ++channel) {
