@@ -103,6 +103,11 @@ OutputPort& OutputPort::initial(std::string_view member, glm::vec4 value) {
   return *this;
 }
 
+OutputPort& OutputPort::needed(std::string_view member) {
+  member_of(ports_->outputs[index_], member).needed = true;
+  return *this;
+}
+
 OutputPort& OutputPort::attribute(std::string_view name, Attribute value) {
   ports_->outputs[index_].attributes.insert_or_assign(std::string(name), std::move(value));
   return *this;

@@ -155,6 +155,8 @@ SceneFacts compute_facts(const Scene& scene) {
     facts.max_chroma = std::max(facts.max_chroma, reaches[i].emission.chroma);
     const glm::dvec3& most = reaches[i].albedo.most;
     facts.max_albedo = std::max({facts.max_albedo, most.x, most.y, most.z});
+    const glm::dvec3& brightest = reaches[i].emission.most;
+    facts.max_emission = std::max({facts.max_emission, brightest.x, brightest.y, brightest.z});
     facts.emissive_textures = facts.emissive_textures || m.emissive_texture.image >= 0;
     facts.alpha_mask = facts.alpha_mask || m.alpha == AlphaMode::mask;
     facts.normal_maps = facts.normal_maps || m.normal_texture.image >= 0;

@@ -7,9 +7,7 @@
 #include "lib/rsm.glsl"
 #include "lib/scene_lights.glsl"
 #if SHADOW == SHADOW_map
-#include "lib/shadow.glsl"
-layout(std430) readonly restrict buffer lights_faces { LightFace faces[]; };
-uniform sampler2DArray lights_shadow;
+#include "lib/light_shadow.glsl"
 uniform bool pcf;
 #elif SHADOW == SHADOW_ray
 #include "lib/trace.glsl"
@@ -24,16 +22,7 @@ layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
 // Share of the light that reaches x; n is the geometric normal, extent the distance over which x was computed.
 float visibility(Light light, vec3 x, vec3 n, float extent) {
 #if SHADOW == SHADOW_map
-  int layer = int(light.direction.w);
-  if (int(light.intensity.w) == 6) {  // cube faces +X −X +Y −Y +Z −Z
-    vec3 d = x - light.position.xyz, m = abs(d);
-    int axis = m.x >= m.y && m.x >= m.z ? 0 : m.y >= m.z ? 1 : 2;
-    layer += 2 * axis + (d[axis] < 0. ? 1 : 0);
-  }
-  LightFace face = faces[layer];
-  vec3 projected = face_project(face, x);
-  if (projected.z <= 0.) return 1.;
-  return shadow_visibility(lights_shadow, face, layer, projected.xy, x, n, pcf);
+  return light_visibility(light, x, n, pcf);
 #elif SHADOW == SHADOW_ray
   vec3 origin = offset_origin(x, n, extent);
   if (int(light.position.w) == LIGHT_DIRECTIONAL) return occluded(origin, -light.direction.xyz, 1e30) ? 0. : 1.;

@@ -65,9 +65,8 @@ vec3 surface_albedo() {
   return surface_base_color().rgb * (1. - metallic);
 }
 
-// Exitant radiance towards the viewer, W/(m² sr).
-vec3 surface_emission() {
-  if (!surface_front() && !has_flag(MATERIAL_DOUBLE_SIDED)) return vec3(0);
+// Exitant radiance of a side that emits, W/(m² sr).
+vec3 emitted_radiance() {
   vec3 radiance = materials[vertex.ids.x].emissive.rgb;
 #ifdef SCENE_TEXTURES
   if (has_flag(MATERIAL_EMISSIVE_TEXTURE)) {
@@ -75,6 +74,11 @@ vec3 surface_emission() {
   }
 #endif
   return radiance;
+}
+
+// Exitant radiance towards the viewer, W/(m² sr).
+vec3 surface_emission() {
+  return surface_front() || has_flag(MATERIAL_DOUBLE_SIDED) ? emitted_radiance() : vec3(0);
 }
 
 // Unit normal of the triangle, world, towards the viewer.

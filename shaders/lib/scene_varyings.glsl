@@ -46,6 +46,31 @@ SCENE_VARYING SceneVaryings {
   SCENE_COPY_TANGENTS(to, from);      \
   to.ids = from.ids
 
+// The affine combination w of the three vertices of a triangle; for a geometry stage that draws another outline.
+#ifdef SCENE_TEXTURES
+#define SCENE_MIX_UVS(to, from, w)                        \
+  to.base_color_uv = SCENE_MIX(from, base_color_uv, w);   \
+  to.emissive_uv = SCENE_MIX(from, emissive_uv, w);       \
+  to.metallic_uv = SCENE_MIX(from, metallic_uv, w)
+#else
+#define SCENE_MIX_UVS(to, from, w)
+#endif
+#ifdef SCENE_NORMAL_MAPS
+#define SCENE_MIX_TANGENTS(to, from, w)           \
+  to.normal_uv = SCENE_MIX(from, normal_uv, w);   \
+  to.tangent = SCENE_MIX(from, tangent, w)
+#else
+#define SCENE_MIX_TANGENTS(to, from, w)
+#endif
+#define SCENE_MIX(from, member, w) ((w).x * from[0].member + (w).y * from[1].member + (w).z * from[2].member)
+#define SCENE_MIX_VARYINGS(to, from, w)       \
+  to.position = SCENE_MIX(from, position, w); \
+  to.normal = SCENE_MIX(from, normal, w);     \
+  to.color = SCENE_MIX(from, color, w);       \
+  SCENE_MIX_UVS(to, from, w);                 \
+  SCENE_MIX_TANGENTS(to, from, w);            \
+  to.ids = from[0].ids
+
 // Among the flags of `ids`: the transform turns counter-clockwise into clockwise.
 #define SCENE_MIRRORED 0x80000000u
 #endif

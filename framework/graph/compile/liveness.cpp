@@ -62,6 +62,7 @@ class Marking {
     if (alive_.runs[at(pass)] != 0 || !can_run(draft_, draft_.passes[at(pass)])) return;
     alive_.runs[at(pass)] = 1;
     queue_.push_back(pass);
+    for (const int version : draft_.passes[at(pass)].versions) mark_needed(version);
   }
 
   /// Whoever made this value, and whoever made the one it was made of in place.
@@ -78,6 +79,14 @@ class Marking {
       alive_.members[at(root)][m] = 1;
       if (history) alive_.history[at(root)][m] = 1;
     }
+  }
+
+  /// What a pass reads back of its own outputs.
+  void mark_needed(int version) {
+    const Version& made = draft_.versions[at(version)];
+    if (made.root != version) return;
+    for (std::size_t m = 0; m < made.info.members.size(); ++m)
+      if (made.info.members[m].needed) alive_.members[at(version)][m] = 1;
   }
 
   void follow(const DraftPass& pass, const Wire& wire) {

@@ -28,6 +28,7 @@ struct SceneFacts {
   bool moves = false;           ///< an animation, a skin or a script can change geometry, lights or camera
   double max_chroma = 0;        ///< largest (max−min)/max over light, albedo, emission and sky: 0 = achromatic
   double max_albedo = 0;        ///< ρ_max over channels
+  double max_emission = 0;      ///< W/(m² sr), over channels and materials in use
   double thinnest_feature = 0;  ///< metres; smallest extent of a mesh's box that is not zero
   glm::dvec3 bounds_min{0};     ///< world box of all geometry, metres
   glm::dvec3 bounds_max{0};

@@ -23,6 +23,7 @@ struct MemberDecl {
   Access access = Access::image_write;
   glm::vec4 clear{0};             ///< what a history or persistent texture holds before its first frame
   bool clear_each_frame = false;  ///< the executor clears it to `clear` before the pass runs
+  bool needed = false;            ///< the pass reads it back itself: made whenever the pass runs
 };
 
 struct ReadDecl {
@@ -98,6 +99,7 @@ class LOOM_API OutputPort {
   OutputPort& buffer(std::string_view member, const BufferDesc& desc, Access access = Access::storage_write);
   OutputPort& cleared(std::string_view member, glm::vec4 value = glm::vec4(0));  ///< cleared before each frame
   OutputPort& initial(std::string_view member, glm::vec4 value);                 ///< as history, before the first frame
+  OutputPort& needed(std::string_view member);  ///< made whenever the pass runs: it reads the member back itself
   OutputPort& attribute(std::string_view name, Attribute value);
   /// Nothing to carry; `why` is shown by `loom plan`. A pass whose outputs are all absent does not run.
   void absent(std::string why);

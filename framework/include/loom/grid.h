@@ -1,0 +1,45 @@
+#pragma once
+// The grid that passes lay over a scene.
+#include <algorithm>
+#include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "interop/grid.h"
+#include "loom/facts.h"
+#include "loom/formats.h"
+
+namespace loom {
+
+/// Cubic cells around the scene's box, `n` along its longest side, with one empty cell at each end: no surface lies
+/// outside, and the two outermost faces of a wall at the border exist. The other sides have as many as they need.
+inline interop::Grid fit_grid(const SceneFacts& facts, int n) {
+  const glm::dvec3 extent = facts.bounds_max - facts.bounds_min;
+  const double longest = std::max({extent.x, extent.y, extent.z, 1e-30});
+  const double s = n > 2 ? longest / (n - 2) : longest;
+  interop::Grid grid{};
+  glm::dvec3 cells;
+  for (int axis = 0; axis < 3; ++axis) {
+    // A ten-thousandth of a cell is no reason for one more.
+    cells[axis] = n > 2 ? std::clamp(std::ceil(extent[axis] / s - 1e-4) + 2., 3., static_cast<double>(n)) : n;
+    grid.cells[axis] = static_cast<int>(cells[axis]);
+  }
+  grid.cells.w = 1;
+  const glm::dvec3 lower = .5 * (facts.bounds_min + facts.bounds_max) - .5 * s * cells;
+  grid.cascade[0] = glm::vec4(glm::vec3(lower), static_cast<float>(s));
+  return grid;
+}
+
+/// A volume of one texel a cell, or of several slabs of them one behind the other.
+inline TextureDesc cell_texture(const interop::Grid& grid, Format format, int slabs = 1) {
+  return {.format = format,
+          .kind = TextureKind::d3,
+          .width = grid.cells.x,
+          .height = grid.cells.y,
+          .depth = grid.cells.z * slabs,
+          .filter = Filter::nearest};
+}
+
+}  // namespace loom

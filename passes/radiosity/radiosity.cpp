@@ -1,0 +1,96 @@
+// Radiosity: the light that the surfaces of a voxelized scene reflect, order by order.
+//
+// R₁ is what every side of every sheet reflects of straight light (Voxelize). Each further order gathers over
+// cosine-distributed rays through the voxels, the equation of radiosity by Jacobi's iteration (Goral et al. 1984),
+//   R_{i+1} = R₁ + ρ/π·E[R_i],   E = π/N · Σ R_i(ω_k),
+// so that R_n holds all light after 1 … n reflections; what is missing is of order ρⁿ⁺¹. With the last frame's result
+// wired back (`last`, a history wire) a frame goes on from there, and the orders add up over frames: each frame's gain
+// is the mean albedo, below 1, so that it converges.
+#include "loom/plugin.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "interop/grid.h"
+
+namespace {
+
+using namespace loom;
+
+class Radiosity final : public Pass {
+ public:
+  void params(Params& p) override {
+    p.integer("bounces", bounces_,
+              {.min = 1,
+               .max = 32,
+               .cost = Cost::graph,
+               .doc = "orders of reflection; 1 = what straight light alone makes. With `last`: the orders that one frame "
+                      "adds, and one"});
+    p.integer("rays", rays_, {.min = 1, .max = 1024, .scale = Scale::log, .doc = "rays a side of a sheet and order"});
+  }
+
+  void reflect(Ports& ports, const SceneFacts& facts) override {
+    auto voxels = ports.in("voxels", "VoxelScene").reads("coverage").reads("plane").reads("extent");
+    voxels.reads("centroid").reads("albedo").reads("radiance");
+    auto last = ports.in("last", "VoxelScene").optional().reads("radiance");
+    auto light = ports.out("light", "VoxelScene");
+    const TextureDesc* radiance = voxels.texture("radiance");
+    if (voxels.absent()) return light.absent(voxels.why_absent());
+    if (radiance == nullptr) return light.absent("the voxels carry no radiance");
+    light.texture("radiance", *radiance, Access::image_write).needed("radiance");
+    ports.scratch("radiance", *radiance, Access::image_write);
+    feedback_ = last.connected();
+    if (!facts.moves && !feedback_ && ports.rule("static")) {
+      ports.keep_outputs();
+      ports.decide("static", "reflected light is found once", "nothing in the scene moves");
+    }
+  }
+
+  void prepare(Device& device, const Bindings& /*bindings*/) override {
+    const auto program = [&](const char* file, const char* source, const char* target) {
+      return device.program({.files = {file}, .defines = {{"SOURCE", source}, {"TARGET", target}}});
+    };
+    // The last order goes to the output, so that the one before it is in the scratch volume.
+    copy_first_ = program("radiosity/copy.comp", "voxels_radiance", "scratch_radiance");
+    copy_last_ = feedback_ ? program("radiosity/copy.comp", "last_radiance", "scratch_radiance") : nullptr;
+    copy_order_ = bounces_ > 2 ? program("radiosity/copy.comp", "light_radiance", "scratch_radiance") : nullptr;
+    copy_through_ = bounces_ == 1 ? program("radiosity/copy.comp", "scratch_radiance", "light_radiance") : nullptr;
+    gather_ = bounces_ > 1 ? program("radiosity/gather.comp", "scratch_radiance", "light_radiance") : nullptr;
+  }
+
+  void execute(Frame& frame, const Bindings& bindings) override {
+    const auto grid = bindings.data<interop::Grid>("voxels");
+    bindings.publish("light", grid);
+    const glm::ivec3 sheets(grid.cells.x, grid.cells.y, 3 * grid.cells.z);
+    const glm::ivec3 sides(grid.cells.x, grid.cells.y, 6 * grid.cells.z);
+    const bool resume = copy_last_ && bindings.history_valid("last");
+    frame.dispatch(resume ? *copy_last_ : *copy_first_, bindings, sides);
+    frame.barrier();
+    if (copy_through_) frame.dispatch(*copy_through_, bindings, sides);
+    for (int order = 2; order <= bounces_; ++order) {
+      gather_->set("order", order);
+      // Where orders add up over frames, each frame has rays of its own.
+      gather_->set("frame_seed", feedback_ ? static_cast<unsigned int>(frame.info().index) : 0U);
+      frame.dispatch(*gather_, bindings, sheets);
+      frame.barrier();
+      if (order < bounces_) frame.dispatch(*copy_order_, bindings, sides);
+      frame.barrier();
+    }
+  }
+
+  /// Geometry and lights come in over the wires; the rays depend on the seed alone.
+  [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override { return frame.info().seed; }
+
+ private:
+  int bounces_ = 5, rays_ = 32;
+  bool feedback_ = false;
+  std::shared_ptr<const Program> copy_first_, copy_last_, copy_order_, copy_through_, gather_;
+};
+
+}  // namespace
+
+LOOM_PLUGIN("radiosity", registry) {
+  registry.add<Radiosity>("Radiosity", "Orders of reflection among the surfaces of a voxelized scene");
+}

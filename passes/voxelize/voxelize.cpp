@@ -1,0 +1,139 @@
+// Voxelize: the whole scene in a grid, by one rasterised pass, lit.
+//
+// Each triangle is projected along the axis that it faces most (its dominant axis; Crassin and Green, "Octree-Based
+// Sparse Voxelization Using the GPU Hardware Rasterizer", OpenGL Insights, 2012), over every column of cells that its
+// bounding box touches, and each fragment cuts it to the cells of its column. So the area that a cell gets is exact, and
+// a triangle of any size is in some cell. A cell keeps one *sheet* an axis: of the triangles that face that axis most
+// the mean plane, the rectangle that they span, the opaque share of it (area × alpha over the section of the plane), and
+// for either side albedo, emission and position. The two sides of a wall thinner than a cell stay apart.
+//
+// Every side of every sheet is then lit: radiance after one reflection, L = ρ/π·(E_direct + E_emitter), with shadow maps
+// where `lights` are wired and rays through the voxels where not.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "interop/grid.h"
+#include "loom/grid.h"
+#include "loom/plugin.h"
+
+namespace {
+
+using namespace loom;
+
+// As in shaders/voxelize/sums.glsl.
+constexpr int sum_rows = 25;
+constexpr int emission_rows = 6;
+
+class Voxelize final : public Pass {
+ public:
+  void params(Params& p) override {
+    p.integer("grid", grid_,
+              {.min = 1,
+               .max = 128,
+               .unit = "cells",
+               .scale = Scale::log,
+               .cost = Cost::graph,
+               .doc = "cells along the longest side of the scene's box"});
+    p.integer("rays", rays_,
+              {.min = 1,
+               .max = 1024,
+               .scale = Scale::log,
+               .doc = "rays a side of a sheet to emissive triangles, and again to the sky"});
+  }
+
+  void reflect(Ports& ports, const SceneFacts& facts) override {
+    auto lights = ports.in("lights", "LightLayers").optional();
+    lights.reads("shadow").reads("faces", Access::storage_read);
+    auto voxels = ports.out("voxels", "VoxelScene");
+    if (facts.triangles == 0) return voxels.absent("the scene has no triangle");
+    facts_ = facts;
+    facts_.normal_maps = false;  // sheets are triangles
+    shadow_maps_ = !lights.absent();
+    grid_block_ = fit_grid(facts, grid_);
+
+    voxels.texture("coverage", cell_texture(grid_block_, Format::rgba16f), Access::image_write).needed("coverage");
+    voxels.texture("plane", cell_texture(grid_block_, Format::rgba16f, 3), Access::image_write).needed("plane");
+    voxels.texture("extent", cell_texture(grid_block_, Format::rgba8, 3), Access::image_write).needed("extent");
+    voxels.texture("centroid", cell_texture(grid_block_, Format::rgba16f, 6), Access::image_write).needed("centroid");
+    voxels.texture("albedo", cell_texture(grid_block_, Format::rgba16f, 6), Access::image_write).needed("albedo");
+    if (emits()) voxels.texture("emission", cell_texture(grid_block_, Format::rgba32f, 6), Access::image_write);
+    voxels.texture("radiance", cell_texture(grid_block_, Format::rgba32f, 6), Access::image_write);
+
+    // The raster has no picture; its size is that of a target.
+    ports.scratch("raster", TextureDesc::image({raster_size(), raster_size()}, Format::r8), Access::color);
+    const std::size_t cells = static_cast<std::size_t>(grid_block_.cells.x) * grid_block_.cells.y * grid_block_.cells.z;
+    const int rows = sum_rows + (emits() ? emission_rows : 0);
+    ports.scratch("sums", BufferDesc{.bytes = 3 * cells * rows * sizeof(std::int32_t)});
+    if (!emits()) ports.decide("no-emission", "no emission in the voxels", "no surface emits");
+    if (!facts.moves && ports.rule("static")) {
+      ports.keep_outputs();
+      ports.decide("static", "voxelized and lit once", "nothing in the scene moves");
+    }
+  }
+
+  void prepare(Device& device, const Bindings& bindings) override {
+    emission_ = bindings.has("voxels.emission");
+    const int rows = sum_rows + (emits() ? emission_rows : 0);
+    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows)}, {"EMISSION", emission_ ? "1" : "0"}};
+    auto defines = scene_defines(facts_);
+    defines.insert(defines.end(), layout.begin(), layout.end());
+    voxelize_ =
+        device.program({.files = {"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/voxelize.frag"},
+                        .defines = defines});
+    resolve_ = device.program({.files = {"voxelize/resolve.comp"}, .defines = layout});
+    light_ = nullptr;
+    if (bindings.has("voxels.radiance")) {
+      light_ = device.program({.files = {"voxelize/light.comp"},
+                               .defines = {{"PUNCTUAL", facts_.lights() > 0 ? "1" : "0"},
+                                           {"SHADOW_MAPS", shadow_maps_ ? "1" : "0"},
+                                           {"EMITTERS", emits() ? "1" : "0"},
+                                           {"SKY", facts_.sky ? "1" : "0"}}});
+    }
+  }
+
+  void execute(Frame& frame, const Bindings& bindings) override {
+    static constexpr std::string_view raster = "scratch.raster";
+    bindings.publish("voxels", grid_block_);
+    bindings.buffer("scratch.sums").clear();
+    frame.begin_raster(bindings, {&raster, 1});
+    voxelize_->set("raster_size", static_cast<float>(raster_size()));
+    if (emission_) voxelize_->set("inverse_max_emission", static_cast<float>(1 / facts_.max_emission));
+    frame.bind(*voxelize_, bindings);
+    frame.scene().draw(*voxelize_);
+    frame.barrier();
+    if (emission_) resolve_->set("max_emission", static_cast<float>(facts_.max_emission));
+    const glm::ivec3 cells(grid_block_.cells);
+    frame.dispatch(*resolve_, bindings, cells);
+    frame.barrier();
+    if (light_) frame.dispatch(*light_, bindings, {cells.x, cells.y, 3 * cells.z});
+  }
+
+  [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {
+    return frame.scene().geometry_version() * 0x9e3779b97f4a7c15u ^ frame.scene().lights_version();
+  }
+
+ private:
+  [[nodiscard]] bool emits() const { return facts_.emissive_triangles > 0 && facts_.max_emission > 0; }
+  [[nodiscard]] int raster_size() const {
+    return std::max({grid_block_.cells.x, grid_block_.cells.y, grid_block_.cells.z});
+  }
+
+  int grid_ = 32, rays_ = 32;
+  bool shadow_maps_ = false, emission_ = false;
+  SceneFacts facts_;
+  interop::Grid grid_block_{};
+  std::shared_ptr<const Program> voxelize_, resolve_, light_;
+};
+
+}  // namespace
+
+LOOM_PLUGIN("voxelize", registry) {
+  registry.add<Voxelize>("Voxelize", "The whole scene in a grid: sheets with coverage, material and reflected light");
+}

@@ -1,0 +1,28 @@
+// The sides of the sheets of a voxelized scene: where light arrives, and what it leaves with. Slab 2·axis + side of the
+// volumes belongs to the side that looks to the positive (0) or negative (1) end of the axis.
+#ifndef LOOM_LIB_SHEETS_GLSL
+#define LOOM_LIB_SHEETS_GLSL
+#include "lib/voxels.glsl"
+
+uniform sampler3D voxels_centroid;
+uniform sampler3D voxels_albedo;
+
+struct SheetSide {
+  ivec3 texel;    // of the volumes by side
+  vec3 position;  // world, metres
+  vec3 normal;    // unit
+  vec3 albedo;
+};
+
+// False where there is no sheet, or nothing of it reflects.
+bool sheet_side(ivec3 cell, int axis, int side, out SheetSide s) {
+  s.texel = cell + ivec3(0, 0, (2 * axis + side) * grid.cells.z);
+  s.albedo = texelFetch(voxels_albedo, s.texel, 0).rgb;
+  vec3 n = texelFetch(voxels_plane, cell + ivec3(0, 0, axis * grid.cells.z), 0).xyz;
+  if (n == vec3(0) || s.albedo == vec3(0)) return false;
+  s.normal = side == 0 ? normalize(n) : -normalize(n);
+  vec3 middle = texelFetch(voxels_centroid, s.texel, 0).xyz;
+  s.position = grid.cascade[0].xyz + (vec3(cell) + .5 + middle) * grid.cascade[0].w;
+  return true;
+}
+#endif

@@ -1,0 +1,36 @@
+// One more order of reflection at every side of every sheet: R' = R₁ + ρ/π·E, E = π/N · Σ R over cosine-distributed rays.
+// R₁ is what the side reflects of straight light, R the reflected light of the order before.
+#include "interop/frame.h"
+#include "lib/sampling.glsl"
+uniform sampler3D SOURCE;
+#define SHEET_RADIANCE(cell, slab) texelFetch(SOURCE, cell + ivec3(0, 0, (slab) * grid.cells.z), 0).rgb
+#include "lib/sheets.glsl"
+layout(local_size_x = 32) in;
+
+layout(std140) uniform frame_data { FrameData frame; };
+uniform sampler3D voxels_radiance;
+layout(rgba32f) uniform writeonly image3D TARGET;
+uniform int rays;
+uniform int order;
+uniform uint frame_seed;
+
+void main() {
+  ivec3 id = ivec3(gl_GlobalInvocationID);
+  if (any(greaterThanEqual(id, grid.cells.xyz * ivec3(1, 1, 3)))) return;
+  int axis = id.z / grid.cells.z;
+  ivec3 cell = ivec3(id.xy, id.z - axis * grid.cells.z);
+  for (int side = 0; side < 2; ++side) {
+    SheetSide s;
+    vec3 radiance = vec3(0);
+    if (sheet_side(cell, axis, side, s)) {
+      uint seed = hash(uvec4(uvec3(s.texel), frame.random.x ^ uint(order) * 0x9e3779b9u ^ frame_seed * 0x85ebca6bu)).x;
+      vec3 sum = vec3(0);
+      for (int k = 0; k < rays; ++k) {
+        vec3 w = cosine_hemisphere(low_discrepancy(uint(k), seed), s.normal);
+        sum += march(s.position, w, s.normal, 1e30).radiance;
+      }
+      radiance = texelFetch(voxels_radiance, s.texel, 0).rgb + s.albedo * sum / float(rays);
+    }
+    imageStore(TARGET, s.texel, vec4(radiance, 1));
+  }
+}

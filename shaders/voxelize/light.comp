@@ -1,0 +1,99 @@
+// Light that every side of every sheet reflects after it came straight from lights, emitters and sky:
+// L = ρ/π·(E_direct + E_emitter). One sheet a thread.
+#include "interop/frame.h"
+#include "lib/rsm.glsl"
+#include "lib/sampling.glsl"
+#include "lib/scene_lights.glsl"
+#include "lib/sheets.glsl"
+#if SHADOW_MAPS
+#include "lib/light_shadow.glsl"
+#endif
+#if EMITTERS
+#include "lib/scene_emitters.glsl"
+#endif
+layout(local_size_x = 32) in;
+layout(std140) uniform frame_data { FrameData frame; };
+layout(rgba32f) uniform writeonly image3D voxels_radiance;
+uniform int rays;
+
+#if PUNCTUAL
+vec3 from_lights(SheetSide s) {
+  vec3 sum = vec3(0);
+  for (int i = 0; i < lights.length(); ++i) {
+    vec3 l;
+    vec3 arriving = light_irradiance(lights[i], s.position, l);
+    float cosine = dot(s.normal, l);
+    if (cosine <= 0. || arriving == vec3(0)) continue;
+#if SHADOW_MAPS
+    float visible = light_visibility(lights[i], s.position, s.normal, true);
+#else
+    bool directional = int(lights[i].position.w) == LIGHT_DIRECTIONAL;
+    float reach = directional ? 1e30 : distance(lights[i].position.xyz, s.position);
+    float visible = march(s.position, l, s.normal, reach).transmittance;
+#endif
+    sum += arriving * cosine * visible;
+  }
+  return sum;
+}
+#endif
+
+#if EMITTERS
+// E = 1/N Σ L cosθ cosθ'/(r² p) V over points chosen by emitted power.
+vec3 from_emitters(SheetSide s, uint seed) {
+  vec3 sum = vec3(0);
+  for (int k = 0; k < rays; ++k) {
+    float probability;
+    int t = choose_emitter(low_discrepancy(uint(k), hash(uvec4(seed, 1u, 0u, 0u)).x).x, probability);
+    vec3 a = emitters[t].a.xyz, b = emitters[t].b.xyz, c = emitters[t].c.xyz;
+    vec2 w = uniform_triangle(low_discrepancy(uint(k), hash(uvec4(seed, 2u, 0u, 0u)).x));
+    vec3 d = (1. - w.x - w.y) * a + w.x * b + w.y * c - s.position;
+    vec3 n = normalize_or(cross(b - a, c - a), vec3(0));
+    float facing = -dot(n, d), square = dot(d, d);
+    if (emitters[t].b.w > .5) facing = abs(facing);
+    float geometry = max(0., dot(s.normal, d)) * max(0., facing) / max(square * square, 1e-37);
+    if (geometry <= 0. || probability <= 0.) continue;
+    // The emitter's own sheet lies at the end of the way: half a cell of it is free.
+    float reach = sqrt(square);
+    float visible = march(s.position, d / reach, s.normal, reach - .5 * grid.cascade[0].w).transmittance;
+    sum += emitters[t].radiance.rgb * (visible * geometry * emitters[t].a.w / probability);
+  }
+  return sum / float(rays);
+}
+#endif
+
+#if SKY
+vec3 from_sky(SheetSide s, uint seed) {
+  float escaped = 0.;
+  for (int k = 0; k < rays; ++k) {
+    vec3 w = cosine_hemisphere(low_discrepancy(uint(k), hash(uvec4(seed, 3u, 0u, 0u)).x), s.normal);
+    escaped += march(s.position, w, s.normal, 1e30).transmittance;
+  }
+  return pi * frame.sky.rgb * (escaped / float(rays));
+}
+#endif
+
+void main() {
+  ivec3 id = ivec3(gl_GlobalInvocationID);
+  if (any(greaterThanEqual(id, grid.cells.xyz * ivec3(1, 1, 3)))) return;
+  int axis = id.z / grid.cells.z;
+  ivec3 cell = ivec3(id.xy, id.z - axis * grid.cells.z);
+  for (int side = 0; side < 2; ++side) {
+    SheetSide s;
+    vec3 radiance = vec3(0);
+    if (sheet_side(cell, axis, side, s)) {
+      uint seed = hash(uvec4(uvec3(s.texel), frame.random.x)).x;
+      vec3 irradiance = vec3(0);
+#if PUNCTUAL
+      irradiance += from_lights(s);
+#endif
+#if EMITTERS
+      irradiance += from_emitters(s, seed);
+#endif
+#if SKY
+      irradiance += from_sky(s, seed);
+#endif
+      radiance = s.albedo * irradiance * inverse_pi;
+    }
+    imageStore(voxels_radiance, s.texel, vec4(radiance, 1));
+  }
+}
