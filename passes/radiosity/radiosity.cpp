@@ -22,12 +22,13 @@ using namespace loom;
 class Radiosity final : public Pass {
  public:
   void params(Params& p) override {
-    p.integer("bounces", bounces_,
-              {.min = 1,
-               .max = 32,
-               .cost = Cost::graph,
-               .doc = "orders of reflection; 1 = what straight light alone makes. With `last`: the orders that one frame "
-                      "adds, and one"});
+    p.integer(
+        "bounces", bounces_,
+        {.min = 1,
+         .max = 32,
+         .cost = Cost::graph,
+         .doc = "orders of reflection; 1 = what straight light alone makes. With `last`: the orders that one frame "
+                "adds, and one"});
     p.integer("rays", rays_, {.min = 1, .max = 1024, .scale = Scale::log, .doc = "rays a side of a sheet and order"});
   }
 

@@ -18,9 +18,10 @@ class RayMarch final : public Pass {
  public:
   void params(Params& p) override {
     p.integer("rays", rays_, {.min = 1, .max = 4096, .scale = Scale::log, .doc = "rays a pixel and frame"});
-    p.boolean("emitter", emitter_,
-              {.cost = Cost::graph,
-               .doc = "count what comes straight from emissive surfaces and sky, too: for pipelines without AreaLight"});
+    p.boolean(
+        "emitter", emitter_,
+        {.cost = Cost::graph,
+         .doc = "count what comes straight from emissive surfaces and sky, too: for pipelines without AreaLight"});
   }
 
   void reflect(Ports& ports, const SceneFacts& /*facts*/) override {

@@ -2,13 +2,13 @@
 //
 // Each triangle is projected along the axis that it faces most (its dominant axis; Crassin and Green, "Octree-Based
 // Sparse Voxelization Using the GPU Hardware Rasterizer", OpenGL Insights, 2012), over every column of cells that its
-// bounding box touches, and each fragment cuts it to the cells of its column. So the area that a cell gets is exact, and
-// a triangle of any size is in some cell. A cell keeps one *sheet* an axis: of the triangles that face that axis most
-// the mean plane, the rectangle that they span, the opaque share of it (area × alpha over the section of the plane), and
-// for either side albedo, emission and position. The two sides of a wall thinner than a cell stay apart.
+// bounding box touches, and each fragment cuts it to the cells of its column. So the area that a cell gets is exact,
+// and a triangle of any size is in some cell. A cell keeps one *sheet* an axis: of the triangles that face that axis
+// most the mean plane, the rectangle that they span, the opaque share of it (area × alpha over the section of the
+// plane), and for either side albedo, emission and position. The two sides of a wall thinner than a cell stay apart.
 //
-// Every side of every sheet is then lit: radiance after one reflection, L = ρ/π·(E_direct + E_emitter), with shadow maps
-// where `lights` are wired and rays through the voxels where not.
+// Every side of every sheet is then lit: radiance after one reflection, L = ρ/π·(E_direct + E_emitter), with shadow
+// maps where `lights` are wired and rays through the voxels where not.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -84,9 +84,8 @@ class Voxelize final : public Pass {
     const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows)}, {"EMISSION", emission_ ? "1" : "0"}};
     auto defines = scene_defines(facts_);
     defines.insert(defines.end(), layout.begin(), layout.end());
-    voxelize_ =
-        device.program({.files = {"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/voxelize.frag"},
-                        .defines = defines});
+    voxelize_ = device.program(
+        {.files = {"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/voxelize.frag"}, .defines = defines});
     resolve_ = device.program({.files = {"voxelize/resolve.comp"}, .defines = layout});
     light_ = nullptr;
     if (bindings.has("voxels.radiance")) {

@@ -12,6 +12,8 @@ struct SheetSide {
   vec3 position;  // world, metres
   vec3 normal;    // unit
   vec3 albedo;
+  vec3 across, up;  // edges of the rectangle that the sheet spans, on its plane, metres
+  vec3 corner;      // where they begin
 };
 
 // False where there is no sheet, or nothing of it reflects.
@@ -23,6 +25,14 @@ bool sheet_side(ivec3 cell, int axis, int side, out SheetSide s) {
   s.normal = side == 0 ? normalize(n) : -normalize(n);
   vec3 middle = texelFetch(voxels_centroid, s.texel, 0).xyz;
   s.position = grid.cascade[0].xyz + (vec3(cell) + .5 + middle) * grid.cascade[0].w;
+  // The rectangle is given across the axis (u, v); the plane through the side's centroid says how high it lies (w).
+  vec3 slope = turn_axis_last(s.normal, axis);
+  vec4 extent = texelFetch(voxels_extent, cell + ivec3(0, 0, axis * grid.cells.z), 0) - .5;
+  vec2 from = extent.xy - turn_axis_last(middle, axis).xy;
+  float size = grid.cascade[0].w;
+  s.across = size * turn_axis_back(vec3(extent.z - extent.x, 0, -slope.x / slope.z * (extent.z - extent.x)), axis);
+  s.up = size * turn_axis_back(vec3(0, extent.w - extent.y, -slope.y / slope.z * (extent.w - extent.y)), axis);
+  s.corner = s.position + size * turn_axis_back(vec3(from, -dot(slope.xy, from) / slope.z), axis);
   return true;
 }
 #endif

@@ -17,23 +17,28 @@ layout(rgba32f) uniform writeonly image3D voxels_radiance;
 uniform int rays;
 
 #if PUNCTUAL
+// Mean over LIGHT_POINTS² points of the sheet, since the edge of a light or of a shadow may cross it.
+const int LIGHT_POINTS = 4;
 vec3 from_lights(SheetSide s) {
   vec3 sum = vec3(0);
   for (int i = 0; i < lights.length(); ++i) {
-    vec3 l;
-    vec3 arriving = light_irradiance(lights[i], s.position, l);
-    float cosine = dot(s.normal, l);
-    if (cosine <= 0. || arriving == vec3(0)) continue;
+    for (int k = 0; k < LIGHT_POINTS * LIGHT_POINTS; ++k) {
+      vec2 at = (vec2(k % LIGHT_POINTS, k / LIGHT_POINTS) + .5) / float(LIGHT_POINTS);
+      vec3 x = s.corner + at.x * s.across + at.y * s.up, l;
+      vec3 arriving = light_irradiance(lights[i], x, l);
+      float cosine = dot(s.normal, l);
+      if (cosine <= 0. || arriving == vec3(0)) continue;
 #if SHADOW_MAPS
-    float visible = light_visibility(lights[i], s.position, s.normal, true);
+      float visible = light_visibility(lights[i], x, s.normal, false);
 #else
-    bool directional = int(lights[i].position.w) == LIGHT_DIRECTIONAL;
-    float reach = directional ? 1e30 : distance(lights[i].position.xyz, s.position);
-    float visible = march(s.position, l, s.normal, reach).transmittance;
+      bool directional = int(lights[i].position.w) == LIGHT_DIRECTIONAL;
+      float reach = directional ? 1e30 : distance(lights[i].position.xyz, x);
+      float visible = march(x, l, s.normal, reach).transmittance;
 #endif
-    sum += arriving * cosine * visible;
+      sum += arriving * cosine * visible;
+    }
   }
-  return sum;
+  return sum / float(LIGHT_POINTS * LIGHT_POINTS);
 }
 #endif
 
