@@ -28,7 +28,7 @@ namespace {
 using namespace loom;
 
 // As in shaders/voxelize/sums.glsl.
-constexpr int sum_rows = 25;
+constexpr int sum_rows = 27;
 constexpr int emission_rows = 6;
 
 class Voxelize final : public Pass {

@@ -73,12 +73,17 @@ void cross_cell(Ray ray, ivec3 cell, vec3 coverage, float enter, float leave, in
     at[axis] = cross_sheet(ray, cell, axis, enter, leave, positive);
     slab[axis] = 2 * axis + (positive ? 0 : 1);
   }
+  // Sheets of one cell are pieces of one surface, side by side: what they cover adds up. Those of different cells are
+  // independent: what they let through multiplies.
+  float arriving = march.transmittance, open = 1.;
   for (int i = 0; i < 3; ++i) {
     int axis = at.x <= at.y && at.x <= at.z ? 0 : at.y <= at.z ? 1 : 2;
     if (at[axis] == no_crossing) return;
-    march.radiance += march.transmittance * coverage[axis] * SHEET_RADIANCE(cell, slab[axis]);
+    float covered = min(coverage[axis], open);
+    open -= covered;
+    march.radiance += arriving * covered * SHEET_RADIANCE(cell, slab[axis]);
     float before = march.transmittance;
-    march.transmittance *= 1. - coverage[axis];
+    march.transmittance = arriving * open;
     if (before >= .5 && march.transmittance < .5) march.distance = at[axis] * grid.cascade[0].w;
     at[axis] = no_crossing;
   }

@@ -14,9 +14,66 @@ layout(rgba32f) uniform writeonly image3D voxels_emission;
 uniform float max_emission;
 #endif
 
+struct Side {
+  float weight;
+  vec3 position, albedo, emission;  // Σ w·…
+};
+
+struct Sheet {
+  float area;
+  vec3 normal, position;  // Σ a·…
+  vec3 low, high;         // its box, from the cell's lower corner, in cells
+  Side side[2];
+};
+
 float sum(ivec3 cell, int axis, int row) { return float(sums[sum_index(cell, axis, row)]) / FIXED; }
 vec3 sum3(ivec3 cell, int axis, int row) {
   return vec3(sum(cell, axis, row), sum(cell, axis, row + 1), sum(cell, axis, row + 2));
+}
+
+Sheet sheet_of(ivec3 cell, int axis) {
+  Sheet s;
+  s.area = sum(cell, axis, ROW_AREA);
+  s.normal = sum3(cell, axis, ROW_NORMAL);
+  s.position = sum3(cell, axis, ROW_POSITION);
+  s.low = 1. - sum3(cell, axis, ROW_BOX) * (FIXED / 255.);
+  s.high = sum3(cell, axis, ROW_BOX + 3) * (FIXED / 255.);
+  for (int i = 0; i < 2; ++i) {
+    int row = ROW_SIDE + i * SIDE_ROWS;
+    s.side[i].weight = sum(cell, axis, row);
+    s.side[i].position = sum3(cell, axis, row + 1);
+    s.side[i].albedo = sum3(cell, axis, row + 4);
+#if EMISSION
+    s.side[i].emission = sum3(cell, axis, ROW_EMISSION + 3 * i);
+#else
+    s.side[i].emission = vec3(0);
+#endif
+  }
+  return s;
+}
+
+// A smooth surface at 45° to two axes has triangles of both. Where the sheets of two axes are nearly parallel they are
+// one, or each would cover a part of what the other spans and light would pass in between.
+const float PARALLEL = .85;
+
+void merge(inout Sheet into, inout Sheet from) {
+  float lengths = length(into.normal) * length(from.normal);
+  float along = dot(into.normal, from.normal);
+  if (into.area < from.area || from.area <= 0. || abs(along) <= PARALLEL * lengths) return;
+  bool opposite = along < 0.;  // positive on one axis, negative on the other
+  into.area += from.area;
+  into.normal += opposite ? -from.normal : from.normal;
+  into.position += from.position;
+  into.low = min(into.low, from.low);
+  into.high = max(into.high, from.high);
+  for (int i = 0; i < 2; ++i) {
+    Side side = from.side[opposite ? 1 - i : i];
+    into.side[i].weight += side.weight;
+    into.side[i].position += side.position;
+    into.side[i].albedo += side.albedo;
+    into.side[i].emission += side.emission;
+  }
+  from.area = 0.;
 }
 
 // ∫∫ of the step function: the area under x + y ≤ t for x in [−a/2, a/2], y in [−b/2, b/2], as a share of a·b.
@@ -38,41 +95,49 @@ float section_area(vec3 n, float offset, vec4 extent) {
   return span.x * span.y * (share_below(t + .5 * n.z, a, b) - share_below(t - .5 * n.z, a, b)) / n.z;
 }
 
+void store_sheet(ivec3 cell, int axis, Sheet s, inout vec4 coverage) {
+  vec4 plane = vec4(0), extent = vec4(0);
+  if (s.area > 0.) {
+    vec3 mean = s.normal / s.area;  // its length is the flatness: 1 where all triangles are parallel
+    vec3 n = normalize(mean);
+    if (n[axis] < 0.) n = -n;
+    float offset = dot(n, s.position / s.area);
+    plane = vec4(n * length(mean), offset);
+    extent = vec4(turn_axis_last(s.low, axis).xy, turn_axis_last(s.high, axis).xy);
+    float section = section_area(turn_axis_last(n, axis), offset, extent);
+    coverage[axis] = s.area < section ? s.area / section : 1.;
+    coverage.w = 1.;
+  }
+  ivec3 at = cell + ivec3(0, 0, axis * grid.cells.z);
+  imageStore(voxels_plane, at, plane);
+  imageStore(voxels_extent, at, extent);
+  for (int i = 0; i < 2; ++i) {
+    ivec3 side_at = cell + ivec3(0, 0, (2 * axis + i) * grid.cells.z);
+    Side side = s.side[i];
+    float scale = s.area > 0. && side.weight > 0. ? 1. / side.weight : 0.;
+    imageStore(voxels_centroid, side_at, vec4(scale * side.position, s.area));
+    imageStore(voxels_albedo, side_at, vec4(clamp(scale * side.albedo, 0., 1.), 1));
+#if EMISSION
+    // Per area of the whole side, emitting or not.
+    imageStore(voxels_emission, side_at, vec4(scale * max_emission * side.emission, 1));
+#endif
+  }
+}
+
 void main() {
   ivec3 cell = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(cell, grid.cells.xyz))) return;
+  Sheet x = sheet_of(cell, 0), y = sheet_of(cell, 1), z = sheet_of(cell, 2);
+  // Into the larger one each, whichever that is.
+  merge(x, y);
+  merge(y, x);
+  merge(x, z);
+  merge(z, x);
+  merge(y, z);
+  merge(z, y);
   vec4 coverage = vec4(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    ivec3 at = cell + ivec3(0, 0, axis * grid.cells.z);
-    vec4 plane = vec4(0), extent = vec4(0);
-    float area = sum(cell, axis, ROW_AREA);
-    if (area > 0.) {
-      vec3 mean = sum3(cell, axis, ROW_NORMAL) / area;  // its length is the flatness: 1 where all triangles are parallel
-      float flatness = length(mean);
-      vec3 n = mean / flatness;
-      float offset = dot(n, sum3(cell, axis, ROW_POSITION) / area);
-      plane = vec4(mean, offset);
-      for (int i = 0; i < 4; ++i) extent[i] = float(clamp(sums[sum_index(cell, axis, ROW_EXTENT + i)], 0, 255)) / 255.;
-      extent.xy = 1. - extent.xy;
-      float section = section_area(turn_axis_last(n, axis), offset, extent);
-      coverage[axis] = area < section ? area / section : 1.;
-      coverage.w = 1.;
-    }
-    imageStore(voxels_plane, at, plane);
-    imageStore(voxels_extent, at, extent);
-    for (int side = 0; side < 2; ++side) {
-      ivec3 side_at = cell + ivec3(0, 0, (2 * axis + side) * grid.cells.z);
-      int row = ROW_SIDE + side * SIDE_ROWS;
-      float weight = sum(cell, axis, row);
-      float scale = weight > 0. ? 1. / weight : 0.;
-      imageStore(voxels_centroid, side_at, vec4(scale * sum3(cell, axis, row + 1), area));
-      imageStore(voxels_albedo, side_at, vec4(clamp(scale * sum3(cell, axis, row + 4), 0., 1.), 1));
-#if EMISSION
-      // Per area of the whole side, emitting or not.
-      vec3 emission = sum3(cell, axis, ROW_EMISSION + 3 * side) * (scale * max_emission);
-      imageStore(voxels_emission, side_at, vec4(emission, 1));
-#endif
-    }
-  }
+  store_sheet(cell, 0, x, coverage);
+  store_sheet(cell, 1, y, coverage);
+  store_sheet(cell, 2, z, coverage);
   imageStore(voxels_coverage, cell, coverage);
 }

@@ -11,10 +11,10 @@ layout(std140) uniform voxels_data { Grid grid; };
 const int ROW_AREA = 0;      // Σ a, in cell faces, opaque part alone
 const int ROW_NORMAL = 1;    // Σ a·n, turned to the positive side of the axis
 const int ROW_POSITION = 4;  // Σ a·(c − cell centre), in cells
-const int ROW_EXTENT = 7;    // largest 255·(1−u), 255·(1−v), 255·u, 255·v over the sheet
-const int ROW_SIDE = 11;     // of the positive and the negative side: Σ w, Σ w·(c − centre), Σ w·albedo
+const int ROW_BOX = 7;       // largest 255·(1−p), then 255·p, p from the cell's lower corner, in cells
+const int ROW_SIDE = 13;     // of the positive and the negative side: Σ w, Σ w·(c − centre), Σ w·albedo
 const int SIDE_ROWS = 7;
-const int ROW_EMISSION = 25;  // of both sides: Σ w·L/L_max
+const int ROW_EMISSION = 27;  // of both sides: Σ w·L/L_max
 layout(std430) buffer scratch_sums { int sums[]; };
 
 // Units of a cell face. A cell may hold 500 times its face before a sum wraps.

@@ -71,14 +71,19 @@ void add_surfel(ivec3 cell, Surfel s) {
   }
 }
 
-void add_extent(ivec3 cell, Polygon polygon, vec2 column) {
-  vec2 low = vec2(1), high = vec2(0);
+// The box around the piece of the triangle, outwards to 1/255 of the cell.
+void add_box(ivec3 cell, Polygon polygon, vec3 corner) {
+  vec3 low = vec3(1), high = vec3(0);
   for (int i = 0; i < polygon.count; ++i) {
-    low = min(low, polygon.corner[i].xy - column);
-    high = max(high, polygon.corner[i].xy - column);
+    low = min(low, polygon.corner[i] - corner);
+    high = max(high, polygon.corner[i] - corner);
   }
-  ivec4 bound = ivec4(ceil(255. * clamp(vec4(1. - low, high), 0., 1.)));
-  for (int i = 0; i < 4; ++i) atomicMax(sums[sum_index(cell, axis, ROW_EXTENT + i)], bound[i]);
+  low = turn_axis_back(ceil(255. * clamp(1. - low, 0., 1.)), axis);
+  high = turn_axis_back(ceil(255. * clamp(high, 0., 1.)), axis);
+  for (int i = 0; i < 3; ++i) {
+    atomicMax(sums[sum_index(cell, axis, ROW_BOX + i)], int(low[i]));
+    atomicMax(sums[sum_index(cell, axis, ROW_BOX + 3 + i)], int(high[i]));
+  }
 }
 
 void main() {
@@ -118,6 +123,6 @@ void main() {
     ivec3 cell = turn_axis_back(ivec3(column, k), axis);
     surfel.position = turn_axis_back(middle - vec3(column, k) - .5, axis);
     add_surfel(cell, surfel);
-    if (surfel.area * FIXED >= .5) add_extent(cell, inside, column);
+    if (surfel.area * FIXED >= .5) add_box(cell, inside, vec3(column, k));
   }
 }
