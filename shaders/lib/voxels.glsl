@@ -29,8 +29,8 @@ struct March {
 };
 
 const float no_crossing = 3.402823466e38;
-// Planes and rectangles are means, stored to about 2⁻¹¹: by so much of a cell neighbours may miss each other.
-const float SEAM = .02;
+// Planes are means, and those of a bent surface do not meet at cell faces: by so much of a cell a ray may miss its cell.
+const float SEAM = .05;
 // A ray's own surface: a sheet this close to its origin, in cells, and parallel to it.
 const float OWN_DISTANCE = .15;
 const float OWN_COSINE = .7;
