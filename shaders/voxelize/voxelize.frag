@@ -2,8 +2,8 @@
 // area, its normal, its place and its material to the sheet of its dominant axis. Areas are exact: summed over all cells
 // they are the triangle's own.
 #include "lib/axes.glsl"
-#include "lib/clip.glsl"
 #include "lib/material.glsl"
+#include "voxelize/piece.glsl"
 #include "voxelize/sums.glsl"
 
 flat in vec3 corner_a;
@@ -71,13 +71,8 @@ void add_surfel(ivec3 cell, Surfel s) {
   }
 }
 
-// The box around the piece of the triangle, outwards to 1/255 of the cell.
-void add_box(ivec3 cell, Polygon polygon, vec3 corner) {
-  vec3 low = vec3(1), high = vec3(0);
-  for (int i = 0; i < polygon.count; ++i) {
-    low = min(low, polygon.corner[i] - corner);
-    high = max(high, polygon.corner[i] - corner);
-  }
+// The box around a piece of the triangle, outwards to 1/255 of the cell.
+void add_box(ivec3 cell, vec3 low, vec3 high) {
   low = turn_axis_back(ceil(255. * clamp(1. - low, 0., 1.)), axis);
   high = turn_axis_back(ceil(255. * clamp(high, 0., 1.)), axis);
   for (int i = 0; i < 3; ++i) {
@@ -99,30 +94,32 @@ void main() {
   surfel.double_sided = has_flag(MATERIAL_DOUBLE_SIDED);
   surfel.normal = turn_axis_back(normal.z > 0. ? normal : -normal, axis);
 
-  vec2 column = floor(gl_FragCoord.xy);
-  Polygon over = polygon_of(corner_a, corner_b, corner_c);
-  over = clip(over, 0, column.x, 1.);
-  over = clip(over, 0, column.x + 1., -1.);
-  over = clip(over, 1, column.y, 1.);
-  over = clip(over, 1, column.y + 1., -1.);
-  if (over.count < 3) return;
-  float low = over.corner[0].z, high = low;
-  for (int i = 1; i < over.count; ++i) {
-    low = min(low, over.corner[i].z);
-    high = max(high, over.corner[i].z);
-  }
-  // A cell owns its lower faces. The slope is at most 45° in u and v, so that a column crosses three cells at most.
-  int depth = turn_axis_last(vec3(grid.cells.xyz), axis).z > 0. ? int(turn_axis_last(vec3(grid.cells.xyz), axis).z) : 1;
+  // From here on in cells from the corner of the column.
+  vec3 column = vec3(floor(gl_FragCoord.xy), 0);
+  vec3 a = corner_a - column, b = corner_b - column, c = corner_c - column;
+  vec3 whole = square_moments(a.xy, b.xy, c.xy);
+  float sign_of_turn = normal.z > 0. ? -1. : 1.;
+  vec2 slope = -normal.xy / normal.z;
+  int depth = int(turn_axis_last(vec3(grid.cells.xyz), axis).z);
+  // Heights over the column; a cell owns its lower faces. The slope is at most 45° in u and v.
+  float middle = a.z + dot(slope, .5 - a.xy), reach = .5 * (abs(slope.x) + abs(slope.y));
+  float low = max(min(a.z, min(b.z, c.z)), middle - reach), high = min(max(a.z, max(b.z, c.z)), middle + reach);
   int first = clamp(int(floor(low)), 0, depth - 1);
   int last = clamp(max(first, int(ceil(high)) - 1), first, min(first + 3, depth - 1));
+  vec3 below = vec3(0);
   for (int k = first; k <= last; ++k) {
-    Polygon inside = clip(clip(over, 2, float(k), 1.), 2, float(k + 1), -1.);
-    if (inside.count < 3) continue;
-    vec3 middle;
-    surfel.area = share * polygon_area(inside, middle);
-    ivec3 cell = turn_axis_back(ivec3(column, k), axis);
-    surfel.position = turn_axis_back(middle - vec3(column, k) - .5, axis);
+    vec3 up_to = k == last ? whole : moments_below(a, b, c, float(k + 1), whole);
+    vec3 moments = sign_of_turn * (up_to - below);
+    below = up_to;
+    surfel.area = share * moments.x / abs(normal.z);
+    if (!(surfel.area * FIXED >= .5)) continue;
+    vec3 place = vec3(moments.yz / moments.x, 0);
+    place.z = a.z + dot(slope, place.xy - a.xy);
+    ivec3 cell = turn_axis_back(ivec3(column.xy, k), axis);
+    surfel.position = turn_axis_back(clamp(place - vec3(0, 0, k), 0., 1.) - .5, axis);
     add_surfel(cell, surfel);
-    if (surfel.area * FIXED >= .5) add_box(cell, inside, vec3(column, k));
+    vec3 piece_low, piece_high;
+    bound_piece(a, b, c, slope, float(k), piece_low, piece_high);
+    add_box(cell, piece_low - vec3(0, 0, k), piece_high - vec3(0, 0, k));
   }
 }
