@@ -85,7 +85,7 @@ class Radiosity final : public Pass {
   [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override { return frame.info().seed; }
 
  private:
-  int bounces_ = 5, rays_ = 32;
+  int bounces_ = 8, rays_ = 16;
   bool feedback_ = false;
   std::shared_ptr<const Program> copy_first_, copy_last_, copy_order_, copy_through_, gather_;
 };

@@ -1,14 +1,24 @@
-// RayMarch: irradiance by marching rays through the voxelized scene.
+// RayMarch: irradiance by marching through the voxelized scene.
 //
 //   E(x) = ∫ L(ω)⟨n,ω⟩₊ dω ≈ π/N · Σ L(ω_i),   ω_i with density cosθ/π,
 //
 // L what the sheets on the way send back, each weighted by the share of the ray that reaches it (DDA through partial
 // occupancy, shaders/lib/voxels.glsl). The sheets send what they reflect: of all orders where `light` is wired
-// (Radiosity), else of straight light alone.
-#include "loom/plugin.h"
-
+// (Radiosity), else of straight light alone. Three ways, from dear to cheap:
+//   rays    from every pixel (`irradiance`);
+//   cones   from every pixel, over a pyramid of ever coarser cells: no noise, but blocked too early;
+//   volume  rays from the cells of a coarse grid, as two-band SH for GatherVolume (`volume`): independent of the
+//   picture.
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "interop/grid.h"
+#include "loom/grid.h"
+#include "loom/plugin.h"
 
 namespace {
 
@@ -17,46 +27,128 @@ using namespace loom;
 class RayMarch final : public Pass {
  public:
   void params(Params& p) override {
-    p.integer("rays", rays_, {.min = 1, .max = 4096, .scale = Scale::log, .doc = "rays a pixel and frame"});
-    p.boolean(
-        "emitter", emitter_,
-        {.cost = Cost::graph,
-         .doc = "count what comes straight from emissive surfaces and sky, too: for pipelines without AreaLight"});
+    p.choice("method", method_, {"rays", "cones"}, {.doc = "how `irradiance` is found"});
+    p.integer("rays", rays_, {.min = 1, .max = 4096, .scale = Scale::log, .doc = "rays a pixel and frame, or a probe"});
+    p.integer("cones", cones_, {.min = 4, .max = 256, .scale = Scale::log, .doc = "cones a pixel"});
+    p.integer("probes", probes_,
+              {.min = 1,
+               .max = 64,
+               .unit = "cells",
+               .scale = Scale::log,
+               .cost = Cost::graph,
+               .doc = "cells of `volume` along the longest side of the scene's box"});
+    p.boolean("emitter", emitter_,
+              {.cost = Cost::graph,
+               .doc = "count what comes straight from sky and, by rays, from emissive surfaces, too: for pipelines "
+                      "without AreaLight"});
   }
 
-  void reflect(Ports& ports, const SceneFacts& /*facts*/) override {
-    auto surface = ports.in("surface", "Surface").reads("depth").reads("normal").reads("geometric_normal");
-    auto voxels = ports.in("voxels", "VoxelScene").reads("coverage").reads("plane").reads("extent").reads("radiance");
+  void reflect(Ports& ports, const SceneFacts& facts) override {
+    auto surface = ports.in("surface", "Surface").optional();
+    surface.reads("depth").reads("normal").reads("geometric_normal");
+    auto voxels = ports.in("voxels", "VoxelScene").reads("coverage").reads("plane").reads("extent");
+    voxels.reads("centroid").reads("albedo").reads("radiance");
     if (emitter_) voxels.reads("emission");
     auto light = ports.in("light", "VoxelScene").optional().reads("radiance");
     auto irradiance = ports.out("irradiance", "Irradiance").attribute("quantity", "irradiance");
-    if (surface.absent()) return irradiance.absent(surface.why_absent());
-    if (voxels.absent()) return irradiance.absent(voxels.why_absent());
+    auto volume = ports.out("volume", "ShVolume").attribute("bands", 2).attribute("cascades", 1);
     has_light_ = light.texture("radiance") != nullptr;
-    if (!has_light_ && voxels.texture("radiance") == nullptr) return irradiance.absent("the voxels carry no radiance");
+    if (voxels.absent() || (!has_light_ && voxels.texture("radiance") == nullptr)) {
+      const std::string why = voxels.absent() ? voxels.why_absent() : "the voxels carry no radiance";
+      irradiance.absent(why);
+      return volume.absent(why);
+    }
     emission_ = emitter_ && voxels.texture("emission") != nullptr;
-    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    if (surface.absent())
+      irradiance.absent(surface.connected() ? surface.why_absent() : "no surface is wired");
+    else
+      irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+
+    probe_grid_ = fit_grid(facts, probes_);
+    TextureDesc cells = cell_texture(probe_grid_, Format::rgba32f);
+    cells.filter = Filter::linear;
+    for (const char* channel : {"red", "green", "blue"}) volume.texture(channel, cells, Access::image_write);
+
+    if (method_ == "cones") {
+      if (const TextureDesc* coverage = voxels.texture("coverage")) scratch_pyramid(ports, *coverage);
+    }
+    if (surface.absent() && !facts.moves && ports.rule("static")) ports.keep_outputs();
   }
 
-  void prepare(Device& device, const Bindings& /*bindings*/) override {
-    march_ = device.program({.files = {"ray_march/march.comp"},
-                             .defines = {{"LIGHT", has_light_ ? "light_radiance" : "voxels_radiance"},
-                                         {"EMITTER", emitter_ ? "1" : "0"},
-                                         {"EMISSION", emission_ ? "1" : "0"}}});
+  void prepare(Device& device, const Bindings& bindings) override {
+    const std::vector<Define> defines{{"LIGHT", has_light_ ? "light_radiance" : "voxels_radiance"},
+                                      {"EMITTER", emitter_ ? "1" : "0"},
+                                      {"EMISSION", emission_ ? "1" : "0"}};
+    const auto program = [&](const char* file) { return device.program({.files = {file}, .defines = defines}); };
+    pixels_ = base_ = reduce_ = volume_ = nullptr;
+    if (bindings.has("irradiance.irradiance")) {
+      const bool cones = method_ == "cones";
+      pixels_ = program(cones ? "ray_march/cones.comp" : "ray_march/march.comp");
+      if (cones) {
+        base_ = program("ray_march/pyramid_base.comp");
+        reduce_ = program("ray_march/pyramid_reduce.comp");
+      }
+    }
+    if (bindings.has("volume.red")) volume_ = program("ray_march/volume.comp");
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
-    frame.dispatch(*march_, bindings, {frame.size(), 1});
+    if (base_) build_pyramid(frame, bindings);
+    if (pixels_) frame.dispatch(*pixels_, bindings, {frame.size(), 1});
+    if (!volume_) return;
+    bindings.publish("volume", probe_grid_);
+    frame.dispatch(*volume_, bindings, glm::ivec3(probe_grid_.cells));
   }
 
+  /// Geometry and lights come in over the wires; the rays depend on the seed alone.
+  [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override { return frame.info().seed; }
+
  private:
-  int rays_ = 64;
+  static glm::ivec3 level_cells(glm::ivec3 cells, int level) {
+    const int round_up = (1 << level) - 1;
+    return {(cells.x + round_up) >> level, (cells.y + round_up) >> level, (cells.z + round_up) >> level};
+  }
+
+  /// Levels down to one cell, one beside the other; six directions, one behind the other.
+  void scratch_pyramid(Ports& ports, const TextureDesc& coverage) {
+    const glm::ivec3 cells(coverage.width, coverage.height, coverage.depth);
+    levels_ = 1;
+    int width = cells.x;
+    while (std::max({level_cells(cells, levels_ - 1).x, level_cells(cells, levels_ - 1).y,
+                     level_cells(cells, levels_ - 1).z}) > 1) {
+      width += level_cells(cells, levels_).x;
+      ++levels_;
+    }
+    TextureDesc desc = coverage;
+    desc.format = Format::rgba16f;
+    desc.filter = Filter::linear;
+    desc.width = width;
+    desc.depth *= 6;
+    ports.scratch("pyramid", desc, Access::image_read_write);
+  }
+
+  void build_pyramid(Frame& frame, const Bindings& bindings) const {
+    const glm::ivec3 cells(bindings.data<interop::Grid>("voxels").cells);
+    frame.dispatch(*base_, bindings, {cells.x, cells.y, 6 * cells.z});
+    frame.barrier();
+    for (int level = 1; level < levels_; ++level) {
+      const glm::ivec3 coarse = level_cells(cells, level);
+      reduce_->set("level", level);
+      frame.dispatch(*reduce_, bindings, {coarse.x, coarse.y, 6 * coarse.z});
+      frame.barrier();
+    }
+    pixels_->set("levels", levels_);
+  }
+
+  std::string method_ = "rays";
+  int rays_ = 64, cones_ = 32, probes_ = 8, levels_ = 1;
   bool emitter_ = false, emission_ = false, has_light_ = false;
-  std::shared_ptr<const Program> march_;
+  interop::Grid probe_grid_{};
+  std::shared_ptr<const Program> pixels_, base_, reduce_, volume_;
 };
 
 }  // namespace
 
 LOOM_PLUGIN("ray_march", registry) {
-  registry.add<RayMarch>("RayMarch", "Irradiance by rays through the voxelized scene");
+  registry.add<RayMarch>("RayMarch", "Irradiance by rays or cones through the voxelized scene");
 }

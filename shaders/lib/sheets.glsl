@@ -12,16 +12,19 @@ struct SheetSide {
   vec3 position;  // world, metres
   vec3 normal;    // unit
   vec3 albedo;
+  float area;       // that the side shows, m²
   vec3 across, up;  // edges of the rectangle that the sheet spans, on its plane, metres
   vec3 corner;      // where they begin
 };
 
-// False where there is no sheet, or nothing of it reflects.
+// False where there is no sheet.
 bool sheet_side(ivec3 cell, int axis, int side, out SheetSide s) {
   s.texel = cell + ivec3(0, 0, (2 * axis + side) * grid.cells.z);
-  s.albedo = texelFetch(voxels_albedo, s.texel, 0).rgb;
+  vec4 albedo = texelFetch(voxels_albedo, s.texel, 0);
+  s.albedo = albedo.rgb;
+  s.area = albedo.a * grid.cascade[0].w * grid.cascade[0].w;
   vec3 n = texelFetch(voxels_plane, cell + ivec3(0, 0, axis * grid.cells.z), 0).xyz;
-  if (n == vec3(0) || s.albedo == vec3(0)) return false;
+  if (n == vec3(0)) return false;
   s.normal = side == 0 ? normalize(n) : -normalize(n);
   vec3 middle = texelFetch(voxels_centroid, s.texel, 0).xyz;
   s.position = grid.cascade[0].xyz + (vec3(cell) + .5 + middle) * grid.cascade[0].w;

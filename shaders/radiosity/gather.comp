@@ -22,7 +22,7 @@ void main() {
   for (int side = 0; side < 2; ++side) {
     SheetSide s;
     vec3 radiance = vec3(0);
-    if (sheet_side(cell, axis, side, s)) {
+    if (sheet_side(cell, axis, side, s) && s.albedo != vec3(0)) {
       uint seed = hash(uvec4(uvec3(s.texel), frame.random.x ^ uint(order) * 0x9e3779b9u ^ frame_seed * 0x85ebca6bu)).x;
       vec3 sum = vec3(0);
       for (int k = 0; k < rays; ++k) {

@@ -86,7 +86,7 @@ void main() {
   for (int side = 0; side < 2; ++side) {
     SheetSide s;
     vec3 radiance = vec3(0);
-    if (sheet_side(cell, axis, side, s)) {
+    if (sheet_side(cell, axis, side, s) && s.albedo != vec3(0)) {
       uint seed = hash(uvec4(uvec3(s.texel), frame.random.x)).x;
       vec3 irradiance = vec3(0);
 #if PUNCTUAL

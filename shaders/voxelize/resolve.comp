@@ -92,11 +92,15 @@ float section_area(vec3 n, float offset, vec4 extent) {
   // Height over the rectangle: w = (offset − n_u u − n_v v)/n_w, inside where |w| ≤ ½.
   float t = offset - dot(n.xy, middle);
   float a = abs(n.x) * span.x, b = abs(n.y) * span.y;
+  // A plane on a face of the cell is inside: half of the (softened) step would lie beyond.
+  float face = .5 * n.z, edge = 2e-3;
+  if (abs(abs(t) - face) < edge) t = sign(t) * (face - edge);
   return span.x * span.y * (share_below(t + .5 * n.z, a, b) - share_below(t - .5 * n.z, a, b)) / n.z;
 }
 
 void store_sheet(ivec3 cell, int axis, Sheet s, inout vec4 coverage) {
   vec4 plane = vec4(0), extent = vec4(0);
+  float seen = 0.;  // area that either side shows, in cell faces: of two parallel surfaces each shows one
   if (s.area > 0.) {
     vec3 mean = s.normal / s.area;  // its length is the flatness: 1 where all triangles are parallel
     vec3 n = normalize(mean);
@@ -107,6 +111,7 @@ void store_sheet(ivec3 cell, int axis, Sheet s, inout vec4 coverage) {
     float section = section_area(turn_axis_last(n, axis), offset, extent);
     coverage[axis] = s.area < section ? s.area / section : 1.;
     coverage.w = 1.;
+    seen = min(s.area, section);
   }
   ivec3 at = cell + ivec3(0, 0, axis * grid.cells.z);
   imageStore(voxels_plane, at, plane);
@@ -116,7 +121,7 @@ void store_sheet(ivec3 cell, int axis, Sheet s, inout vec4 coverage) {
     Side side = s.side[i];
     float scale = s.area > 0. && side.weight > 0. ? 1. / side.weight : 0.;
     imageStore(voxels_centroid, side_at, vec4(scale * side.position, s.area));
-    imageStore(voxels_albedo, side_at, vec4(clamp(scale * side.albedo, 0., 1.), 1));
+    imageStore(voxels_albedo, side_at, vec4(clamp(scale * side.albedo, 0., 1.), seen));
 #if EMISSION
     // Per area of the whole side, emitting or not.
     imageStore(voxels_emission, side_at, vec4(scale * max_emission * side.emission, 1));

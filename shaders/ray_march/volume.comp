@@ -1,0 +1,41 @@
+// Light that arrives at the cells of a coarse grid, by rays in all directions, as an intensity volume: the radiance
+// coefficients 4π/N · Σ L(ω)·Y(−ω), −ω the way the light travels, times 3s²/2 (GatherVolume reads L = 2I/(3s²)).
+#include "interop/frame.h"
+#include "lib/sampling.glsl"
+#include "lib/sh.glsl"
+uniform sampler3D LIGHT;
+#define SHEET_RADIANCE(cell, slab) texelFetch(LIGHT, cell + ivec3(0, 0, (slab) * grid.cells.z), 0).rgb
+#include "lib/voxels.glsl"
+layout(local_size_x = 4, local_size_y = 4, local_size_z = 2) in;
+
+layout(std140) uniform frame_data { FrameData frame; };
+layout(std140) uniform volume_data { Grid probes; };
+layout(rgba32f) uniform writeonly image3D volume_red;
+layout(rgba32f) uniform writeonly image3D volume_green;
+layout(rgba32f) uniform writeonly image3D volume_blue;
+uniform int rays;
+
+void main() {
+  ivec3 cell = ivec3(gl_GlobalInvocationID);
+  if (any(greaterThanEqual(cell, probes.cells.xyz))) return;
+  float size = probes.cascade[0].w;
+  vec3 centre = probes.cascade[0].xyz + (vec3(cell) + .5) * size;
+  uint seed = hash(uvec4(uvec3(cell), frame.random.x)).x;
+  vec4 red = vec4(0), green = vec4(0), blue = vec4(0);
+  for (int k = 0; k < rays; ++k) {
+    vec3 w = uniform_sphere(low_discrepancy(uint(k), seed));
+    March ray = march(centre, w, vec3(0), 1e30);
+    vec3 radiance = ray.radiance;
+#if EMITTER
+    radiance += ray.transmittance * frame.sky.rgb;
+#endif
+    vec4 y = sh2_basis(-w);
+    red += radiance.r * y;
+    green += radiance.g * y;
+    blue += radiance.b * y;
+  }
+  float scale = 4. * pi / float(rays) * 1.5 * size * size;
+  imageStore(volume_red, cell, scale * red);
+  imageStore(volume_green, cell, scale * green);
+  imageStore(volume_blue, cell, scale * blue);
+}

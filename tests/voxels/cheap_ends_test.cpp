@@ -1,0 +1,135 @@
+// What else feeds on the voxels: light propagation by InjectVoxels, and the cheap ends of RayMarch.
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "interop/grid.h"
+#include "loom/grid.h"
+#include "support/bench.h"
+#include "support/scene_builders.h"
+
+namespace loom::test {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+class CheapEndsTest : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    if (!IsSkipped()) device_ = make_device();
+  }
+  std::unique_ptr<gpu::CachingDevice> device_;
+};
+
+const char* const injected = R"({ "passes": {
+    "voxelize": { "type": "Voxelize", "params": { "grid": 10 } },
+    "inject": { "type": "InjectVoxels", "in": { "voxels": "voxelize.voxels" } } },
+  "outputs": { "image": "inject.flux.red" } })";
+
+// A floor of 4 m² under a directional light reflects Φ = ρ·E·A, and that is what the cells above it hold.
+TEST_F(CheapEndsTest, InjectionKeepsTheFluxOfTheSurfaces) {
+  SceneBuilder scene;
+  scene.floor(glm::vec3(0), 1, scene.material({.5F, .25F, .75F}));
+  scene.directional({0, -1, 0}, {3, 2, 1});
+  Bench bench(*device_, scene.build());
+  bench.render(injected, {.size = {8, 8}, .requested = {"inject.flux.red", "inject.flux.green", "inject.flux.blue"}});
+  const double reflected[3] = {.5 * 3 * 4, .25 * 2 * 4, .75 * 1 * 4};
+  int channel = 0;
+  for (const char* name : {"inject.flux.red", "inject.flux.green", "inject.flux.blue"}) {
+    double flux = 0;
+    for (const glm::vec4& cell : bench.read(name).values) flux += 2 * std::sqrt(pi) * cell.x;
+    EXPECT_NEAR(flux, reflected[channel], 2e-3 * reflected[channel]) << name;
+    ++channel;
+  }
+}
+
+// A closed box: every face between inside and outside is blocked, no other, and the albedo is the walls'.
+TEST_F(CheapEndsTest, WallsBlockTheFacesBesideThem) {
+  scene::Scene scene;
+  scene.materials = {diffuse({.5F, .25F, .75F})};
+  add_box(scene, {-1, -1, -1}, {1, 1, 1}, 0, true);
+  finish(scene);
+  Bench bench(*device_, scene);
+  bench.render(injected, {.size = {8, 8},
+                          .requested = {"inject.blockers.occupancy", "inject.blockers.albedo", "inject.flux.red"}});
+  const Texels occupancy = bench.read("inject.blockers.occupancy");
+  const Texels albedo = bench.read("inject.blockers.albedo");
+  for (int axis = 0; axis < 3; ++axis) {
+    int blocked = 0;
+    for (int z = 0; z < 10; ++z)
+      for (int y = 0; y < 10; ++y)
+        for (int x = 0; x < 10; ++x) {
+          const float share = occupancy.at(x, y, z)[axis];
+          if (share < 1e-3) continue;
+          ++blocked;
+          EXPECT_NEAR(share, 1, 1e-3) << axis << " at " << x << " " << y << " " << z;
+          const glm::ivec3 at(x, y, z);
+          EXPECT_TRUE(at[axis] == 1 || at[axis] == 9);
+          EXPECT_NEAR(albedo.at(x, y, z + 10 * axis).y, .25, 1e-3);
+        }
+    EXPECT_EQ(blocked, 2 * 64);
+  }
+}
+
+/// A closed box that emits, with radiosity of two orders; `march` fills in the last passes.
+std::string furnace_pipeline(const std::string& march) {
+  return R"({ "passes": {
+    "gbuffer": { "type": "GBuffer" },
+    "voxelize": { "type": "Voxelize", "params": { "grid": 10, "rays": 128 } },
+    "radiosity": { "type": "Radiosity", "in": { "voxels": "voxelize.voxels" }, "params": { "bounces": 2 } },)" +
+         march + "}";
+}
+
+scene::Scene furnace(float albedo) {
+  scene::Scene scene;
+  scene.materials = {diffuse(glm::vec3(albedo), glm::vec3(1))};
+  add_box(scene, {-1, -1, -1}, {1, 1, 1}, 0, true);
+  finish(scene);
+  return scene;
+}
+
+// Every direction ends on a wall that reflects ρ·(1 + ρ): E = π·ρ·(1 + ρ) at every pixel. Two bands give a uniform
+// field exactly.
+TEST_F(CheapEndsTest, VolumeOfProbesInAFurnace) {
+  const float albedo = .5F;
+  Bench bench(*device_, furnace(albedo));
+  bench.look({.4, .1, -.3}, {-.8, -.4, .9}, .5);
+  const glm::vec4 e = bench
+                          .image(furnace_pipeline(R"(
+    "march": { "type": "RayMarch", "in": { "voxels": "voxelize.voxels", "light": "radiosity.light" },
+               "params": { "probes": 6, "rays": 256 } },
+    "bounce": { "type": "GatherVolume", "in": { "surface": "gbuffer.surface", "volume": "march.volume" } } },
+  "outputs": { "image": "bounce.irradiance" })"),
+                                 "image", {.size = {16, 16}})
+                          .mean();
+  EXPECT_NEAR(e.x, pi * albedo * (1 + albedo), .02 * pi * albedo * (1 + albedo));
+}
+
+// Cones never see more than there is, and in a closed box most of it: what is missing they meet on their own surface.
+TEST_F(CheapEndsTest, ConesInAFurnace) {
+  const float albedo = .5F;
+  Bench bench(*device_, furnace(albedo));
+  bench.look({.4, .1, -.3}, {-.8, -.4, .9}, .5);
+  const double expected = pi * albedo * (1 + albedo);
+  for (const char* cones : {"32", "128"}) {
+    const glm::vec4 e = bench
+                            .image(furnace_pipeline(R"(
+    "march": { "type": "RayMarch", "in": { "surface": "gbuffer.surface", "voxels": "voxelize.voxels",
+                                           "light": "radiosity.light" }, "params": { "method": "cones" } } },
+  "outputs": { "image": "march.irradiance" })"),
+                                   "image", {.size = {16, 16}, .set = {{"march", "cones", cones}}})
+                            .mean();
+    EXPECT_LT(e.x, 1.02 * expected) << cones;
+    EXPECT_GT(e.x, .75 * expected) << cones;
+  }
+}
+
+}  // namespace
+}  // namespace loom::test
