@@ -92,9 +92,9 @@ float section_area(vec3 n, float offset, vec4 extent) {
   // Height over the rectangle: w = (offset − n_u u − n_v v)/n_w, inside where |w| ≤ ½.
   float t = offset - dot(n.xy, middle);
   float a = abs(n.x) * span.x, b = abs(n.y) * span.y;
-  // A plane on a face of the cell is inside: half of the (softened) step would lie beyond.
+  // A plane that is a face of the cell is inside: half of the softened step would lie beyond.
   float face = .5 * n.z, edge = 2e-3;
-  if (abs(abs(t) - face) < edge) t = sign(t) * (face - edge);
+  if (a + b < edge && abs(abs(t) - face) < edge) t = sign(t) * (face - edge);
   return span.x * span.y * (share_below(t + .5 * n.z, a, b) - share_below(t - .5 * n.z, a, b)) / n.z;
 }
 

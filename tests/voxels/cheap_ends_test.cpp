@@ -100,7 +100,7 @@ scene::Scene furnace(float albedo) {
 TEST_F(CheapEndsTest, VolumeOfProbesInAFurnace) {
   const float albedo = .5F;
   Bench bench(*device_, furnace(albedo));
-  bench.look({.4, .1, -.3}, {-.8, -.4, .9}, .5);
+  bench.look({0, 0, 0}, {-1, .05, .05}, .3);
   const glm::vec4 e = bench
                           .image(furnace_pipeline(R"(
     "march": { "type": "RayMarch", "in": { "voxels": "voxelize.voxels", "light": "radiosity.light" },
@@ -127,7 +127,7 @@ TEST_F(CheapEndsTest, ConesInAFurnace) {
                                    "image", {.size = {16, 16}, .set = {{"march", "cones", cones}}})
                             .mean();
     EXPECT_LT(e.x, 1.02 * expected) << cones;
-    EXPECT_GT(e.x, .75 * expected) << cones;
+    EXPECT_GT(e.x, .7 * expected) << cones;
   }
 }
 

@@ -55,11 +55,11 @@ TEST_F(MarchTest, FurnaceIsAGeometricSeries) {
   const glm::vec3 albedo{.8F, .5F, .1F}, emission{1, 2, .3F};
   Bench bench(*device_, furnace(albedo, emission));
   bench.look({.4, .1, -.3}, {-.8, -.4, .9}, .5);
-  for (const char* grid : {"5", "8", "19"}) {
-    for (const int bounces : {1, 2, 6}) {
+  for (const char* grid : {"5", "14"}) {
+    for (const int bounces : {1, 4}) {
       const glm::dvec3 e = mean(bench, {{"march", "emitter", "true"},
                                         {"voxelize", "grid", grid},
-                                        {"voxelize", "rays", "256"},
+                                        {"voxelize", "rays", "128"},
                                         {"radiosity", "bounces", std::to_string(bounces)}});
       for (int c = 0; c < 3; ++c) {
         double series = 0;
@@ -263,7 +263,7 @@ TEST_F(MarchTest, FeedbackConvergesToAllOrders) {
   double before = 0;
   for (const int frames : {1, 3, 40, 80}) {
     const double e = bench.image(feedback, "image", {.size = {16, 16}, .frames = frames}).mean().x;
-    EXPECT_GT(e, before * .999) << frames;
+    EXPECT_GT(e, before * .998) << frames;
     EXPECT_LT(e, 1.02 * pi / (1 - albedo)) << frames;
     before = e;
   }
