@@ -49,6 +49,7 @@ const std::vector<BundleType>& builtin_bundles() {
        .doc = "A directional function at each cell of a grid, as spherical harmonics"},
       {.name = "VoxelScene",
        .members = {{"occupancy", texture, "", "blocked share of each cell's three lower faces"},
+                   {"directional", texture, "", "blocked share by direction of travel at each cell's lower corner, SH"},
                    {"normal", texture, "", "mean normal"},
                    {"albedo", texture, "", "mean diffuse albedo; by face axis where there are three slabs of slices"},
                    {"emission", texture, "W/(m² sr)", "mean exitant radiance of emitters"},

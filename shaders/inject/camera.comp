@@ -1,4 +1,5 @@
 // Surfaces that the camera sees are blockers: pixel solid angle · r²/<n,v>. They carry no light.
+#define ADDS_BLOCKERS
 #include "inject/inject.glsl"
 #include "interop/camera.h"
 #include "lib/camera.glsl"
