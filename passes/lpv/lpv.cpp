@@ -3,7 +3,9 @@
 // The cells of a grid hold intensity I(ω) [W/sr] as two-band SH. In each iteration a cell gathers from its six
 // neighbours the flux through its own five far faces, Φ_face = I(ω_c)·Δω, and sends it on as a cosine lobe about the
 // face's normal. Surfaces stand on the faces between cells: a face blocks the share B of the flux that crosses it, and
-// B·ρ of it starts the next order of reflection, so that each order's gain is at most ρ < 1.
+// B·ρ of it starts the next order of reflection, so that each order's gain is at most ρ < 1. With `blockers: sh` the
+// share depends on the direction of travel instead, B(ω) in two SH bands at the corners of cells (the half-cell-shifted
+// grid of the original): a full wall then blocks .75 of what meets it head-on, and its two faces each .5 of the rest.
 //
 // Propagation is a random walk: light needs about 2k² iterations to arrive k cells away. Nested grids (cascades) shorten
 // the way; each is propagated on its own.
@@ -39,13 +41,18 @@ class Lpv final : public Pass {
   void params(Params& p) override {
     p.integer("iterations", iterations_, {.min = 0, .max = 1024, .scale = Scale::log, .doc = "steps of each order"});
     p.integer("bounces", bounces_, {.min = 1, .max = 16, .doc = "orders of reflection; 1 = the injected light alone"});
+    p.choice("blockers", blockers_, {"faces", "sh"},
+             {.cost = Cost::graph,
+              .doc = "shares of the faces between cells, or a function of direction at their corners, which leaks"});
     p.choice("method", method_, {"compute", "fragment"},
              {.cost = Cost::graph, .doc = "shader stage that propagates; the results agree bit for bit"});
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
     auto flux = ports.in("flux", "ShVolume").reads("red").reads("green").reads("blue");
-    auto blockers = ports.in("blockers", "VoxelScene").optional().reads("occupancy").reads("albedo");
+    auto blockers = ports.in("blockers", "VoxelScene").optional().reads("albedo");
+    const char* shares = blockers_ == "sh" ? "directional" : "occupancy";
+    blockers.reads("occupancy").reads(shares);  // whose albedo counts is decided by occupancy
     auto intensity = ports.out("intensity", "ShVolume").attribute("bands", 2);
     if (flux.absent()) return intensity.absent(flux.why_absent());
     const TextureDesc* red = flux.texture("red");
@@ -56,8 +63,8 @@ class Lpv final : public Pass {
       return ports.error("lpv-cells", std::to_string(cells_.z) + " cells deep, three channels exceed 2048 slices",
                          "use a coarser grid");
     }
-    blocked_ = blockers.texture("occupancy") != nullptr && blockers.texture("albedo") != nullptr;
-    if (blocked_ && !same_cells(*blockers.texture("occupancy"), blockers.attribute("cascades", 1))) {
+    blocked_ = blockers.texture(shares) != nullptr && blockers.texture("albedo") != nullptr;
+    if (blocked_ && !same_cells(*blockers.texture(shares), blockers.attribute("cascades", 1))) {
       return ports.error("lpv-grids", "flux and blockers are on different grids", "give both passes the same cells");
     }
     intensity.attribute("cascades", cascades_);
@@ -87,7 +94,8 @@ class Lpv final : public Pass {
     steps_ = {stage("STEP", "scratch_front0", "scratch_front1"), stage("STEP", "scratch_front1", "scratch_front0")};
     if (blocked_) {
       reflect_ = stage("REFLECT", "scratch_front0", "scratch_front1");
-      walls_ = device.program({.files = {"lpv/walls.comp"}});
+      walls_ = device.program({.files = {"lpv/walls.comp"},
+                               .defines = {{"DIRECTIONAL", blockers_ == "sh" ? "1" : "0"}}});
     }
     const auto made = [&](const std::string& channel) { return bindings.has("intensity." + channel) ? "1" : "0"; };
     resolve_ = device.program({.files = {"lpv/resolve.comp"},
@@ -150,9 +158,9 @@ class Lpv final : public Pass {
     return desc;
   }
 
-  [[nodiscard]] bool same_cells(const TextureDesc& occupancy, int cascades) const {
-    return cascades == cascades_ && occupancy.width == cells_.x && occupancy.height == cells_.y &&
-           occupancy.depth == cells_.z * cascades_;
+  [[nodiscard]] bool same_cells(const TextureDesc& shares, int cascades) const {
+    return cascades == cascades_ && shares.width == cells_.x && shares.height == cells_.y &&
+           shares.depth == cells_.z * cascades_;
   }
 
   /// Two passes may fit their grids in different ways; within a thousandth of a cell they are one grid.
@@ -168,7 +176,7 @@ class Lpv final : public Pass {
   }
 
   int iterations_ = 16, bounces_ = 1;
-  std::string method_ = "compute";
+  std::string method_ = "compute", blockers_ = "faces";
   glm::ivec3 cells_{1};
   int cascades_ = 1;
   bool blocked_ = false;
