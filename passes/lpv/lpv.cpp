@@ -50,9 +50,9 @@ class Lpv final : public Pass {
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
     auto flux = ports.in("flux", "ShVolume").reads("red").reads("green").reads("blue");
-    auto blockers = ports.in("blockers", "VoxelScene").optional().reads("albedo");
+    auto blockers = ports.in("blockers", "VoxelScene").optional().reads("occupancy").reads("albedo");
     const char* shares = blockers_ == "sh" ? "directional" : "occupancy";
-    blockers.reads("occupancy").reads(shares);  // whose albedo counts is decided by occupancy
+    if (blockers_ == "sh") blockers.reads(shares);  // the albedo is still that of the faces
     auto intensity = ports.out("intensity", "ShVolume").attribute("bands", 2);
     if (flux.absent()) return intensity.absent(flux.why_absent());
     const TextureDesc* red = flux.texture("red");
