@@ -46,6 +46,9 @@ constexpr std::array<std::string_view, 3> flux_members{"flux.red", "flux.green",
 constexpr int max_slices = 2048;
 // EmissionHit in shaders/inject/hit.glsl.
 constexpr std::size_t hit_bytes = 48;
+// ROW in shaders/inject/elements.glsl.
+constexpr int row = 4096;
+glm::ivec3 in_rows(int elements) { return {row, (elements + row - 1) / row, 1}; }
 
 class Inject final : public Pass {
  public:
@@ -209,7 +212,7 @@ class Inject final : public Pass {
     if (!retrace_ && !after_reset && traced_ == now) return;
     trace_->set("scene_centre", scene_centre_);
     trace_->set("scene_radius", scene_radius_);
-    frame.dispatch(*trace_, bindings, {static_cast<int>(hits()), 1, 1});
+    frame.dispatch(*trace_, bindings, in_rows(static_cast<int>(hits())));
     frame.barrier();
     traced_ = now;
   }
@@ -243,7 +246,7 @@ class Inject final : public Pass {
     source.compute->set("elements", elements);
     source.compute->set("area_scale", area_scale);
     if (method_ == "compute" || blocks_) {
-      frame.dispatch(*source.compute, bindings, {elements, 1, 1});
+      frame.dispatch(*source.compute, bindings, in_rows(elements));
       frame.barrier();
     }
     if (source.points) {

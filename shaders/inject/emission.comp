@@ -5,6 +5,7 @@
 //            about the scene that faces it:                          Φ_ray = 4π·πR²·L/N
 // The sequence is the same in every frame: nothing flickers, and a still scene is traced once.
 #include "interop/frame.h"
+#include "inject/elements.glsl"
 #include "inject/hit.glsl"
 #include "lib/sampling.glsl"
 #include "lib/trace.glsl"
@@ -58,7 +59,7 @@ EmissionHit from_sky(vec2 where, vec2 which_way) {
 #endif
 
 void main() {
-  int index = int(gl_GlobalInvocationID.x);
+  int index = element_index();
   if (index >= emission.length()) return;
   uint ray = uint(index % emission_rays);
   uint kind = uint(index / emission_rays);

@@ -2,6 +2,7 @@
 // emitter moves half a cell along its normal, so that a wall does not light itself.
 #define ADDS_BLOCKERS
 #include "inject/inject.glsl"
+#include "inject/elements.glsl"
 #include "inject/source.glsl"
 layout(local_size_x = 64) in;
 
@@ -13,7 +14,7 @@ uniform float area_scale;
 uniform int elements;
 
 void main() {
-  int index = int(gl_GlobalInvocationID.x);
+  int index = element_index();
   Surfel surfel;
   if (index >= elements || !read_surfel(index, surfel)) return;
   if (surfel.area > 0.0) add_blocker(surfel.position, surfel.normal, surfel.area, surfel.albedo, area_scale);

@@ -67,6 +67,23 @@ TEST_F(LpvTest, AHalfOpenWallLetsHalfThrough) {
   EXPECT_NEAR(flux(field, propagate(true, 1), right), .5 * open, 1e-5 * open);
 }
 
+// The lecture's blockers: B(ω) = A/s²·⟨n,−ω⟩₊ in two bands at the corners of cells. A full wall with one face blocks
+// ¼ + ½ = .75 of what meets it head-on, and with a second face, whose lobe cancels the first one's, ½.
+TEST_F(LpvTest, BlockersByDirectionLeakAQuarterOfAWallAndHalfOfAThinOne) {
+  Field field(12);
+  field.red[field.at(5, 6, 6)] = unit_lobe({1, 0, 0});
+  add_source(field);
+  const auto right = [](int x, int, int) { return x >= 6; };
+  const double open = flux(field, propagate(true, 1), right);
+  const auto wall = [&](glm::vec4 blocked) {
+    for (int z = 0; z < 12; ++z)
+      for (int y = 0; y < 12; ++y) field.directional[field.at(6, y, z)] = static_cast<float>(pi) * blocked;
+    return flux(field, propagate(true, 1, 1, R"(, "blockers": "sh")"), right) / open;
+  };
+  EXPECT_NEAR(wall(unit_lobe({1, 0, 0})), .25, 1e-3);
+  EXPECT_NEAR(wall(unit_lobe({1, 0, 0}) + unit_lobe({-1, 0, 0})), .5, 1e-3);
+}
+
 // A cell closed on all six sides: each order is the flux of the one before, times ρ.
 TEST_F(LpvTest, OrdersInAClosedCellAreAGeometricSeries) {
   Field field(4);
