@@ -149,7 +149,7 @@ class Inject final : public Pass {
     const interop::Grid grid = inject::place_cascades(coarsest_, cascades_, frame.camera());
     bindings.publish("flux", grid);
     bindings.publish("blockers", grid);
-    for (const char* sums : {"scratch.fixed", "scratch.area", "scratch.directional"}) {
+    for (const char* sums : {"scratch.fixed", "scratch.low", "scratch.high"}) {
       if (bindings.has(sums)) bindings.buffer(sums).clear();
     }
     if (emitters_ || sky_) trace_emission(frame, bindings);
@@ -157,12 +157,10 @@ class Inject final : public Pass {
       if (lit_) inject_lights(frame, bindings, cascade);
       if (emitters_ || sky_) inject_emission(frame, bindings, cascade);
       if (blocks_ && !bindings.absent("surface")) {
-        const float area_scale = element_scale(static_cast<double>(frame.size().x) * frame.size().y);
         camera_->set("cascade", cascade);
-        camera_->set("area_scale", area_scale);
         frame.dispatch(*camera_, bindings, {frame.size(), 1});
         frame.barrier();
-        resolve_blockers(frame, bindings, cascade, area_scale);
+        resolve_blockers(frame, bindings, cascade);
       }
     }
   }
@@ -194,8 +192,8 @@ class Inject final : public Pass {
       ports.scratch("fixed", BufferDesc{.bytes = 12 * cells * sizeof(std::int32_t)});
       ports.scratch("scale", BufferDesc{.bytes = 16});
     }
-    ports.scratch("area", BufferDesc{.bytes = 12 * cells * sizeof(std::uint32_t)});
-    ports.scratch("directional", BufferDesc{.bytes = 4 * cells * sizeof(std::int32_t)});
+    // The 16 slots of shaders/inject/inject.glsl: at 128³ cells the 128 MiB that OpenGL 4.5 guarantees a block.
+    for (const char* words : {"low", "high"}) ports.scratch(words, BufferDesc{16 * cells * sizeof(std::uint32_t)});
     if (emitters_ || sky_) ports.persistent("emission", BufferDesc{.bytes = hits() * hit_bytes});
   }
 
@@ -241,10 +239,8 @@ class Inject final : public Pass {
 
   /// All elements of one source, to the volumes of one cascade.
   void add(Frame& frame, const Bindings& bindings, const Source& source, int cascade, int elements) const {
-    const float area_scale = element_scale(elements);
     source.compute->set("cascade", cascade);
     source.compute->set("elements", elements);
-    source.compute->set("area_scale", area_scale);
     if (method_ == "compute" || blocks_) {
       frame.dispatch(*source.compute, bindings, in_rows(elements));
       frame.barrier();
@@ -259,14 +255,13 @@ class Inject final : public Pass {
       resolve_flux_->set("cascade", cascade);
       frame.dispatch(*resolve_flux_, bindings, glm::ivec3(coarsest_.cells));
     }
-    if (blocks_ && &source == &light_) resolve_blockers(frame, bindings, cascade, area_scale);
+    if (blocks_ && &source == &light_) resolve_blockers(frame, bindings, cascade);
     frame.barrier();
   }
 
   /// What one buffer left in the sums of areas goes to the volumes.
-  void resolve_blockers(Frame& frame, const Bindings& bindings, int cascade, float area_scale) const {
+  void resolve_blockers(Frame& frame, const Bindings& bindings, int cascade) const {
     resolve_blockers_->set("cascade", cascade);
-    resolve_blockers_->set("area_scale", area_scale);
     frame.dispatch(*resolve_blockers_, bindings, glm::ivec3(coarsest_.cells));
     frame.barrier();
   }
@@ -279,11 +274,6 @@ class Inject final : public Pass {
     const bool directional = static_cast<int>(light.position.w) == LIGHT_DIRECTIONAL;
     const double power = peak * (directional ? diameter * diameter : 4 * pi);
     return power > 0 ? 0x1p30 / (power * 1.0234 / pi) : 0;
-  }
-
-  /// Fixed-point units a cell face: `elements` of them, each at most one face, cannot wrap 32 bits.
-  static float element_scale(double elements) {
-    return static_cast<float>(std::min(0x1p24, std::floor(4294967040. / std::max(1., elements)) - 1));
   }
 
   struct Version {

@@ -1,6 +1,5 @@
 // Injects one source: each element is a small Lambertian emitter of flux Φ, I(ω) += Φ/π·lobe(n), and a blocker. The
 // emitter moves half a cell along its normal, so that a wall does not light itself.
-#define ADDS_BLOCKERS
 #include "inject/inject.glsl"
 #include "inject/elements.glsl"
 #include "inject/source.glsl"
@@ -10,14 +9,13 @@ layout(local_size_x = 64) in;
 layout(std430) buffer scratch_fixed { int fixed_flux[]; };  // [channel][coefficient][cell]
 layout(std430) readonly buffer scratch_scale { float flux_scale; };  // fixed-point units a W/sr
 #endif
-uniform float area_scale;
 uniform int elements;
 
 void main() {
   int index = element_index();
   Surfel surfel;
   if (index >= elements || !read_surfel(index, surfel)) return;
-  if (surfel.area > 0.0) add_blocker(surfel.position, surfel.normal, surfel.area, surfel.albedo, area_scale);
+  if (surfel.area > 0.0) add_blocker(surfel.position, surfel.normal, surfel.area, surfel.albedo);
 #if FLUX
   ivec3 cell;
   if (!grid_cell(grid, cascade, surfel.position + 0.5 * grid.cascade[cascade].w * surfel.normal, cell)) return;

@@ -135,6 +135,18 @@ TEST_F(Injection, DoesNotDependOnTheSizeOfTheMaps) {
   }
 }
 
+// Elements from half a face to a hundred-thousandth of one.
+TEST_F(Injection, BlockersDoNotDependOnTheSizeOfTheMaps) {
+  Bench bench(*device_, room());
+  const auto mean = [&](const char* size) {
+    const Texels blocked = read(bench, "inject.blockers.occupancy",
+                                {{"inject", "emission_rays", "0"}, {"inject", "grid", "5"}, {"rsm", "size", size}});
+    return blocked.mean().x + blocked.mean().y + blocked.mean().z;
+  };
+  const float truth = mean("1024");
+  for (const char* size : {"64", "256", "512"}) EXPECT_NEAR(mean(size) / truth, 1, .01) << size;
+}
+
 TEST_F(Injection, TwiceTheLightIsTwiceTheResult) {
   Bench one(*device_, room()), two(*device_, room(0, glm::vec3(0), 2));
   const Texels a = read(one, "image"), b = read(two, "image");
