@@ -3,8 +3,8 @@
 //   E(n) = ∫ L(ω)⟨n,ω⟩₊ dω,   L = ℓ·I/s³ = 2I/(3s²)
 //
 // Radiance is track length over volume: light of intensity I crosses a cubic cell of size s on a mean chord ℓ = 2s/3.
-// Exact for isotropic light; light along an axis reads a third low. The volume is read half a cell off the surface, in the
-// finest cascade that holds the point, blended into the next over its border.
+// Exact for isotropic light; light along an axis reads a third low. The volume is read half a cell off the surface, in
+// the finest cascade that holds the point, blended into the next over its border.
 #include "loom/plugin.h"
 
 #include <memory>

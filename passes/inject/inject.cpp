@@ -2,16 +2,16 @@
 //
 // Every texel of a reflective shadow map is a Lambertian emitter of flux Φ [W] about its normal n:
 //   I(ω) += Φ/π·⟨n,ω⟩₊, as two-band SH (.886227, 1.023327·n)·Φ/π, in the cell half a cell off the surface.
-// Light of emissive surfaces and of the sky is traced to where it first meets a surface (`emission_rays`), and what that
-// reflects is injected in the same way. So the flux holds light after exactly one reflection; the way to that surface is
-// DirectLight's and AreaLight's, and nothing is counted twice.
-// Every texel and every pixel is a surface element of area A that blocks the cell face nearest to it along each axis e:
+// Light of emissive surfaces and of the sky is traced to where it first meets a surface (`emission_rays`), and what
+// that reflects is injected in the same way. So the flux holds light after exactly one reflection; the way to that
+// surface is DirectLight's and AreaLight's, and nothing is counted twice. Every texel and every pixel is a surface
+// element of area A that blocks the cell face nearest to it along each axis e:
 //   B_e = min(1, Σ A·|⟨n,e⟩|/s²),
 // or, as the lecture has it, by direction of travel at the corners of cells: B(ω) = Σ A/s²·⟨n,−ω⟩₊ as SH.
 //
 // `compute` sums in fixed point, with a scale derived from each source's own power: order-independent, and 1 W beside
-// 1e8 W keeps its digits, since each source is resolved to float before the next. `points` draws every element as a point
-// into a layer of the volumes and lets blending add up in 32-bit float.
+// 1e8 W keeps its digits, since each source is resolved to float before the next. `points` draws every element as a
+// point into a layer of the volumes and lets blending add up in 32-bit float.
 #include "loom/plugin.h"
 
 #include <algorithm>

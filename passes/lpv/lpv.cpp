@@ -7,8 +7,8 @@
 // share depends on the direction of travel instead, B(ω) in two SH bands at the corners of cells (the half-cell-shifted
 // grid of the original): a full wall then blocks .75 of what meets it head-on, and its two faces each .5 of the rest.
 //
-// Propagation is a random walk: light needs about 2k² iterations to arrive k cells away. Nested grids (cascades) shorten
-// the way; each is propagated on its own.
+// Propagation is a random walk: light needs about 2k² iterations to arrive k cells away. Nested grids (cascades)
+// shorten the way; each is propagated on its own.
 //
 // Both methods run the same three stages on the same volumes: as compute shaders, or as fragment shaders whose targets
 // are the layers of the volumes and which add up by blending.
@@ -94,8 +94,8 @@ class Lpv final : public Pass {
     steps_ = {stage("STEP", "scratch_front0", "scratch_front1"), stage("STEP", "scratch_front1", "scratch_front0")};
     if (blocked_) {
       reflect_ = stage("REFLECT", "scratch_front0", "scratch_front1");
-      walls_ = device.program({.files = {"lpv/walls.comp"},
-                               .defines = {{"DIRECTIONAL", blockers_ == "sh" ? "1" : "0"}}});
+      walls_ =
+          device.program({.files = {"lpv/walls.comp"}, .defines = {{"DIRECTIONAL", blockers_ == "sh" ? "1" : "0"}}});
     }
     const auto made = [&](const std::string& channel) { return bindings.has("intensity." + channel) ? "1" : "0"; };
     resolve_ = device.program({.files = {"lpv/resolve.comp"},

@@ -145,8 +145,7 @@ TEST_F(Emission, OrdersOfAFurnaceAreAGeometricSeries) {
   Bench bench(*device_, scene.point(glm::vec3(0), glm::vec3(1e-6F)).build());
   bench.look({-.95, -.95, -.95}, {1, 1, 1}, .75);
   const auto mean = [&](const char* output, const char* bounces) {
-    bench.render(pipeline,
-                 {.size = {64, 64}, .set = {{"lpv", "bounces", bounces}, {"emitter", "closed_form", "16"}}});
+    bench.render(pipeline, {.size = {64, 64}, .set = {{"lpv", "bounces", bounces}, {"emitter", "closed_form", "16"}}});
     return static_cast<double>(bench.read(output).mean().x);
   };
   EXPECT_NEAR(mean("emitter", "1"), pi, 1e-3 * pi);

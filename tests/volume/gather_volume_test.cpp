@@ -25,34 +25,33 @@ class GatherVolumeTest : public LpvTest {
   /// A surface in the plane z = `z`, 2·half wide about (x, y), seen straight on by every pixel.
   void add_plane(glm::vec3 centre, float half, glm::vec3 normal) {
     add_pass(registry_, "Plane", [=] {
-      return PassFunctions{
-          .reflect =
-              [](Ports& ports) {
-                const glm::ivec2 size = ports.frame_size();
-                ports.out("surface", "Surface")
-                    .texture("depth", TextureDesc::image(size, Format::r32f), Access::image_write)
-                    .texture("normal", TextureDesc::image(size, Format::rgba32f), Access::image_write);
-              },
-          .execute =
-              [=](Frame& f, const Bindings& io) {
-                interop::Camera camera{};
-                camera.eye = glm::vec4(centre - glm::vec3(0, 0, 1), 1);
-                camera.forward = {0, 0, 1, 0};
-                camera.right = {half, 0, 0, 0};
-                camera.up = {0, half, 0, 0};
-                camera.size = {f.size(), 1.F / glm::vec2(f.size())};
-                io.publish("surface", camera);
-                io.texture("surface.depth").clear(glm::vec4(1));
-                io.texture("surface.normal").clear(glm::vec4(normal, 0));
-              }};
+      return PassFunctions{.reflect =
+                               [](Ports& ports) {
+                                 const glm::ivec2 size = ports.frame_size();
+                                 ports.out("surface", "Surface")
+                                     .texture("depth", TextureDesc::image(size, Format::r32f), Access::image_write)
+                                     .texture("normal", TextureDesc::image(size, Format::rgba32f), Access::image_write);
+                               },
+                           .execute =
+                               [=](Frame& f, const Bindings& io) {
+                                 interop::Camera camera{};
+                                 camera.eye = glm::vec4(centre - glm::vec3(0, 0, 1), 1);
+                                 camera.forward = {0, 0, 1, 0};
+                                 camera.right = {half, 0, 0, 0};
+                                 camera.up = {0, half, 0, 0};
+                                 camera.size = {f.size(), 1.F / glm::vec2(f.size())};
+                                 io.publish("surface", camera);
+                                 io.texture("surface.depth").clear(glm::vec4(1));
+                                 io.texture("surface.normal").clear(glm::vec4(normal, 0));
+                               }};
     });
   }
   graph::ReadImage gather(const std::string& parameters) {
     const auto renderer = make(R"({"passes": {
       "source": {"type": "Source"}, "plane": {"type": "Plane"},
       "bounce": {"type": "GatherVolume", "in": {"surface": "plane.surface", "volume": "source.flux"},
-                 "params": {)" + parameters +
-                               R"(}}}, "outputs": {"image": "bounce.irradiance"}})");
+                 "params": {)" +
+                               parameters + R"(}}}, "outputs": {"image": "bounce.irradiance"}})");
     frame(*renderer);
     return renderer->read("image");
   }

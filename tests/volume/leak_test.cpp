@@ -14,8 +14,8 @@
 namespace loom::test {
 namespace {
 
-/// Two rooms of together 6 m, so that 8 cells are of 1 m, with a wall between them and a light in each. The light of the
-/// second is of no account: it shows the wall's other face to the blockers.
+/// Two rooms of together 6 m, so that 8 cells are of 1 m, with a wall between them and a light in each. The light of
+/// the second is of no account: it shows the wall's other face to the blockers.
 scene::Scene two_rooms(float from, float thickness) {
   SceneBuilder scene;
   const int grey = scene.material(glm::vec3(.5F));
