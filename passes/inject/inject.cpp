@@ -149,14 +149,12 @@ class Inject final : public Pass {
     const interop::Grid grid = inject::place_cascades(coarsest_, cascades_, frame.camera());
     bindings.publish("flux", grid);
     bindings.publish("blockers", grid);
-    for (const char* sums : {"scratch.fixed", "scratch.low", "scratch.high"}) {
-      if (bindings.has(sums)) bindings.buffer(sums).clear();
-    }
     if (emitters_ || sky_) trace_emission(frame, bindings);
     for (int cascade = 0; cascade < cascades_; ++cascade) {
       if (lit_) inject_lights(frame, bindings, cascade);
       if (emitters_ || sky_) inject_emission(frame, bindings, cascade);
       if (blocks_ && !bindings.absent("surface")) {
+        clear_sums(bindings);
         camera_->set("cascade", cascade);
         frame.dispatch(*camera_, bindings, {frame.size(), 1});
         frame.barrier();
@@ -237,8 +235,15 @@ class Inject final : public Pass {
     add(frame, bindings, hits_, cascade, static_cast<int>(hits()));
   }
 
+  static void clear_sums(const Bindings& bindings) {
+    for (const char* sums : {"scratch.fixed", "scratch.low", "scratch.high"}) {
+      if (bindings.has(sums)) bindings.buffer(sums).clear();
+    }
+  }
+
   /// All elements of one source, to the volumes of one cascade.
   void add(Frame& frame, const Bindings& bindings, const Source& source, int cascade, int elements) const {
+    clear_sums(bindings);
     source.compute->set("cascade", cascade);
     source.compute->set("elements", elements);
     if (method_ == "compute" || blocks_) {

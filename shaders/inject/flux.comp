@@ -23,7 +23,10 @@ void main() {
   vec4 lobe = sh2_cosine_lobe(surfel.normal) * (0.31830989 * flux_scale);
   for (int channel = 0; channel < 3; ++channel) {
     vec4 c = surfel.flux[channel] * lobe;
-    for (int i = 0; i < 4; ++i) atomicAdd(fixed_flux[(4 * channel + i) * count + k], int(round(c[i])));
+    for (int i = 0; i < 4; ++i) {
+      int amount = int(round(c[i]));
+      if (amount != 0) atomicAdd(fixed_flux[(4 * channel + i) * count + k], amount);  // two of four on an axis-aligned wall
+    }
   }
 #endif
 }

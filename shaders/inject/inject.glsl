@@ -27,11 +27,10 @@ void add_sum(int slot, int cell, float share) {
   if (high != 0) atomicAdd(high_words[at], uint(high));
 }
 
-// A sum in faces, which it clears.
-float take_sum(int slot, int cell) {
+// A sum in faces.
+float read_sum(int slot, int cell) {
   int at = slot * cell_count() + cell;
   int low = int(low_words[at]), high = int(high_words[at]) + (low < 0 ? 1 : 0);
-  low_words[at] = high_words[at] = 0u;
   return (float(high) * 4294967296.0 + float(low)) / SHARE;
 }
 

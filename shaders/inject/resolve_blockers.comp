@@ -1,7 +1,7 @@
-// Merges the areas that one buffer (a light, the camera) saw, then clears them. A wall that several buffers see is the
+// Merges the areas that one buffer (a light, the camera) saw. A wall that several buffers see is the
 // wall of the buffer that sees most of it: areas are not added up over buffers.
 #include "inject/inject.glsl"
-layout(local_size_x = 32) in;
+layout(local_size_x = 8, local_size_y = 4) in;
 
 layout(rgba32f) uniform image3D blockers_occupancy;
 #if ALBEDO
@@ -18,8 +18,8 @@ void main() {
   int k = grid_index(grid, cell);
   vec4 occupancy = imageLoad(blockers_occupancy, to);
   for (int axis = 0; axis < 3; ++axis) {
-    float area = take_sum(4 * axis, k);
-    vec3 albedo = vec3(take_sum(4 * axis + 1, k), take_sum(4 * axis + 2, k), take_sum(4 * axis + 3, k));
+    float area = read_sum(4 * axis, k);
+    vec3 albedo = vec3(read_sum(4 * axis + 1, k), read_sum(4 * axis + 2, k), read_sum(4 * axis + 3, k));
     float share = min(1.0, area);
     if (share <= occupancy[axis]) continue;
     occupancy[axis] = share;
@@ -29,7 +29,7 @@ void main() {
   }
   imageStore(blockers_occupancy, to, occupancy);
 #if DIRECTIONAL
-  vec4 seen = vec4(take_sum(12, k), take_sum(13, k), take_sum(14, k), take_sum(15, k));
+  vec4 seen = vec4(read_sum(12, k), read_sum(13, k), read_sum(14, k), read_sum(15, k));
   if (seen.x > imageLoad(blockers_directional, to).x) imageStore(blockers_directional, to, seen);
 #endif
 }

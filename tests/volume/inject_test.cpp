@@ -154,7 +154,8 @@ TEST_F(Injection, TwiceTheLightIsTwiceTheResult) {
   for (std::size_t i = 0; i < a.values.size(); ++i) ASSERT_EQ(2.F * a.values[i], b.values[i]);
 }
 
-// By whole cells of 1 m: every coordinate is moved exactly, and the grid with it.
+// By whole cells of 1 m. The grid moves exactly; positions of the maps are rounded anew, so that a texel on the border of
+// two cells may change sides.
 TEST_F(Injection, MovesWithTheScene) {
   Bench here(*device_, room()), there(*device_, room(0, {16, -4, 8}));
   EXPECT_LT(difference(read(there, "image"), read(here, "image")), 1e-4);
