@@ -85,10 +85,11 @@ class Lpv final : public Pass {
 
   void prepare(Device& device, const Bindings& bindings) override {
     const std::string file = method_ == "fragment" ? "lpv/stage.frag" : "lpv/stage.comp";
+    const std::string row = cells_.x > 16 ? "32" : cells_.x > 8 ? "16" : "8";
     const auto stage = [&](const char* name, const char* from, const char* to) {
       return device.program(
           {.files = {file},
-           .defines = {{"STAGE", name}, {"BLOCKERS", blocked_ ? "1" : "0"}, {"FROM", from}, {"TO", to}}});
+           .defines = {{"STAGE", name}, {"BLOCKERS", blocked_ ? "1" : "0"}, {"FROM", from}, {"TO", to}, {"ROW", row}}});
     };
     begin_ = stage("BEGIN", "scratch_front1", "scratch_front0");
     steps_ = {stage("STEP", "scratch_front0", "scratch_front1"), stage("STEP", "scratch_front1", "scratch_front0")};

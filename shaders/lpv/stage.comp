@@ -1,6 +1,7 @@
-// A stage of propagation as a compute shader: one invocation a cell and channel.
+// A stage of propagation as a compute shader: one invocation a cell and channel. Neighbours along x share what is cached,
+// so that a work group is as long as the grid, up to 32 cells.
 #include "lpv/stage.glsl"
-layout(local_size_x = 8, local_size_y = 4) in;
+layout(local_size_x = ROW, local_size_y = 32 / ROW) in;
 
 #if STAGE != REFLECT
 layout(rgba32f) uniform writeonly image3D TO;

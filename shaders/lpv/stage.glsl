@@ -76,7 +76,8 @@ vec4 arrived(ivec3 cell, int slab) {
 
 Result stage(ivec3 texel) {
   Result result = Result(vec4(0), vec4(0), vec4(0));
-  int channel = texel.z / grid.cells.z, slab = channel * grid.cells.z;
+  // By comparison: SIMD has no integer division.
+  int channel = int(texel.z >= grid.cells.z) + int(texel.z >= 2 * grid.cells.z), slab = channel * grid.cells.z;
 #if STAGE == REFLECT
 #if BLOCKERS
   result.blocked = reflected(texel, sent_to_neighbours(texelFetch(FROM, texel, 0)));
