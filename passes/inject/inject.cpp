@@ -83,7 +83,7 @@ class Inject final : public Pass {
     auto flux = ports.out("flux", "ShVolume").attribute("bands", 2).attribute("cascades", cascades_);
     auto blockers = ports.out("blockers", "VoxelScene").attribute("cascades", cascades_);
     emitters_ = facts.emissive_triangles > 0 && emission_rays_ > 0;
-    sky_ = facts.sky && emission_rays_ > 0;
+    sky_ = (facts.sky || !ports.rule("no-emission")) && emission_rays_ > 0;  // a black sky adds nothing
     lit_ = !lights.absent();
     if (!lit_ && !emitters_ && !sky_) {
       const std::string why = lights.connected() ? lights.why_absent() : "no lights are wired";
@@ -91,10 +91,10 @@ class Inject final : public Pass {
       return blockers.absent(why + ", and no emission is traced");
     }
     if (3 * cascades_ * grid_ > max_slices) {
-      return ports.error("inject-cells",
-                         std::to_string(cascades_) + " cascades of " + std::to_string(grid_) +
-                             "³ cells: three axes of albedo exceed 2048 slices",
-                         "cascades × grid must be at most " + std::to_string(max_slices / 3));
+      ports.error("inject-cells",
+                  std::to_string(cascades_) + " cascades of " + std::to_string(grid_) +
+                      "³ cells: three axes of albedo exceed 2048 slices",
+                  "cascades × grid must be at most " + std::to_string(max_slices / 3));
     }
     coarsest_ = inject::fit_grid(facts, grid_);
     scene_centre_ = glm::vec3(.5 * (facts.bounds_min + facts.bounds_max));

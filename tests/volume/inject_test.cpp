@@ -12,6 +12,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "loom/diagnostic.h"
 #include "support/bench.h"
 #include "support/render.h"
 
@@ -154,8 +155,8 @@ TEST_F(Injection, TwiceTheLightIsTwiceTheResult) {
   for (std::size_t i = 0; i < a.values.size(); ++i) ASSERT_EQ(2.F * a.values[i], b.values[i]);
 }
 
-// By whole cells of 1 m. The grid moves exactly; positions of the maps are rounded anew, so that a texel on the border of
-// two cells may change sides.
+// By whole cells of 1 m. The grid moves exactly; positions of the maps are rounded anew, so that a texel on the border
+// of two cells may change sides.
 TEST_F(Injection, MovesWithTheScene) {
   Bench here(*device_, room()), there(*device_, room(0, {16, -4, 8}));
   EXPECT_LT(difference(read(there, "image"), read(here, "image")), 1e-4);
@@ -221,6 +222,50 @@ TEST_F(Injection, TheFluxOfACascadeIsThatOfTheSurfacesInIt) {
   EXPECT_LE(total(2), total(3));
   EXPECT_LE(total(1), total(2));
   EXPECT_LE(total(0), total(1));
+}
+
+TEST_F(Injection, OneWattBesideAHundredMillionKeepsItsDigits) {
+  const auto rooms = [](float left, float right) {
+    SceneBuilder scene;
+    const int grey = scene.material(glm::vec3(.5F));
+    scene.box(glm::vec3(-3), glm::vec3(3), grey).box({-.5F, -3, -3}, {.5F, 3, 3}, grey);
+    return scene.point({-2, .2F, .3F}, glm::vec3(left)).point({2, .2F, .3F}, glm::vec3(right)).build();
+  };
+  Bench both(*device_, rooms(1, 1e8F)), alone(*device_, rooms(1, 0));
+  const Texels flux = read(both, "inject.flux.red"), truth = read(alone, "inject.flux.red");
+  double sum = 0;
+  for (int z = 0; z < 8; ++z) {
+    for (int y = 0; y < 8; ++y) {
+      for (int x = 0; x < 4; ++x) {
+        ASSERT_NEAR(flux.at(x, y, z).x, truth.at(x, y, z).x, 1e-6F * truth.at(x, y, z).x);
+        sum += truth.at(x, y, z).x;
+      }
+    }
+  }
+  EXPECT_GT(sum, 0);
+}
+
+TEST_F(Injection, IsFiniteInTheSmallestGridAndFromFarAway) {
+  Bench bench(*device_, room());
+  bench.look({1e6, 2e5, -3e6}, {0, 0, 0}, .5);
+  for (const auto& [grid, cascades] : {std::pair("1", "1"), std::pair("1", "8"), std::pair("2", "3")}) {
+    const Texels intensity = read(bench, "image", {{"inject", "grid", grid}, {"inject", "cascades", cascades}});
+    for (const glm::vec4& c : intensity.values) {
+      for (int i = 0; i < 4; ++i) ASSERT_TRUE(std::isfinite(c[i])) << grid << ' ' << cascades;
+    }
+    EXPECT_GT(intensity.mean().x, 0) << grid << ' ' << cascades;
+  }
+}
+
+TEST_F(Injection, RefusesMoreSlicesThanAVolumeHas) {
+  Bench bench(*device_, room());
+  try {
+    read(bench, "image", {{"inject", "grid", "128"}, {"inject", "cascades", "6"}});
+    FAIL() << "compiled";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("inject-cells"), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find("lpv-flux"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

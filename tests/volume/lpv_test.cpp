@@ -101,6 +101,16 @@ TEST_F(LpvTest, OrdersInAClosedCellAreAGeometricSeries) {
   }
 }
 
+// ρ = 1 in a closed cell: each order gives the whole of the one before, and no more.
+TEST_F(LpvTest, AWhiteCellIsBounded) {
+  Field field(3);
+  field.red[field.at(1, 1, 1)] = unit_lobe({0, 0, 1});
+  field.occupancy.assign(field.occupancy.size(), glm::vec4(1));
+  field.albedo.assign(field.albedo.size(), glm::vec4(1));
+  add_source(field);
+  EXPECT_NEAR(total(field, propagate(true, 4, 16)), 16, 1e-3);
+}
+
 // Turning everything about an axis turns the result, to rounding.
 TEST_F(LpvTest, NoAxisIsSpecial) {
   Field field(9);
