@@ -49,6 +49,7 @@ const std::vector<BundleType>& builtin_bundles() {
        .doc = "A directional function at each cell of a grid, as spherical harmonics"},
       {.name = "VoxelScene",
        .members = {{"occupancy", texture, "", "blocked share of each cell's three lower faces"},
+                   {"directional", texture, "", "blocked share by direction of travel at each cell's lower corner, SH"},
                    {"coverage", texture, "", "opaque share of the sheet of each dominant axis; w: 1 where there is any"},
                    {"plane", texture, "", "of each sheet: mean normal times its flatness, and offset in cells"},
                    {"extent", texture, "", "rectangle that each sheet spans across its axis, in cells"},

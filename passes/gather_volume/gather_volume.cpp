@@ -3,7 +3,8 @@
 //   E(n) = ∫ L(ω)⟨n,ω⟩₊ dω,   L = ℓ·I/s³ = 2I/(3s²)
 //
 // Radiance is track length over volume: light of intensity I crosses a cubic cell of size s on a mean chord ℓ = 2s/3.
-// Exact for isotropic light; light along an axis reads a third low. The volume is read half a cell off the surface.
+// Exact for isotropic light; light along an axis reads a third low. The volume is read half a cell off the surface, in
+// the finest cascade that holds the point, blended into the next over its border.
 #include "loom/plugin.h"
 
 #include <memory>
@@ -18,6 +19,8 @@ class GatherVolume final : public Pass {
   void params(Params& p) override {
     p.choice("reconstruction", reconstruction_, {"linear", "non-negative"},
              {.cost = Cost::shader, .doc = "two bands clamped at zero, or a form that never rings below it"});
+    p.real("blend", blend_,
+           {.min = 0, .max = 8, .unit = "cells", .doc = "border over which a cascade passes over into the next"});
   }
 
   void reflect(Ports& ports, const SceneFacts& /*facts*/) override {
@@ -39,6 +42,7 @@ class GatherVolume final : public Pass {
 
  private:
   std::string reconstruction_ = "linear";
+  float blend_ = 2;
   std::shared_ptr<const Program> gather_;
 };
 

@@ -1,26 +1,36 @@
-// Inject: what the lights see becomes flux in a grid, and what lights and camera see becomes blockers.
+// Inject: what surfaces reflect becomes flux in a grid, and what lights and camera see becomes blockers.
 //
 // Every texel of a reflective shadow map is a Lambertian emitter of flux Φ [W] about its normal n:
 //   I(ω) += Φ/π·⟨n,ω⟩₊, as two-band SH (.886227, 1.023327·n)·Φ/π, in the cell half a cell off the surface.
-// Every texel and every pixel is a surface element of area A that blocks the cell face nearest to it along each axis e:
-//   B_e = min(1, Σ A·|⟨n,e⟩|/s²).
-// Sums are fixed point, with a scale derived from each light's own power: order-independent, and 1 W beside 1e8 W keeps
-// its digits, since each light is resolved to float before the next.
+// Light of emissive surfaces and of the sky is traced to where it first meets a surface (`emission_rays`), and what
+// that reflects is injected in the same way. So the flux holds light after exactly one reflection; the way to that
+// surface is DirectLight's and AreaLight's, and nothing is counted twice. Every texel and every pixel is a surface
+// element of area A that blocks the cell face nearest to it along each axis e:
+//   B_e = min(1, Σ A·|⟨n,e⟩|/s²),
+// or, as the lecture has it, by direction of travel at the corners of cells: B(ω) = Σ A/s²·⟨n,−ω⟩₊ as SH.
+//
+// `compute` sums in fixed point, with a scale derived from each source's own power: order-independent, and 1 W beside
+// 1e8 W keeps its digits, since each source is resolved to float before the next. `points` draws every element as a
+// point into a layer of the volumes and lets blending add up in 32-bit float.
 #include "loom/plugin.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "cascades.h"
 #include "interop/grid.h"
 #include "interop/light.h"
 
@@ -30,19 +40,15 @@ using namespace loom;
 
 constexpr double pi = std::numbers::pi;
 const std::array<std::string, 3> channels{"red", "green", "blue"};
+constexpr std::array<std::string_view, 3> flux_members{"flux.red", "flux.green", "flux.blue"};
 
-/// A cubic grid of n³ cells around the scene's box, with one empty cell on each side: no surface lies outside, and
-/// the two outermost faces of a wall at the border exist.
-interop::Grid fit_grid(const SceneFacts& facts, int n) {
-  const glm::dvec3 extent = facts.bounds_max - facts.bounds_min;
-  const double longest = std::max({extent.x, extent.y, extent.z, 1e-30});
-  const double s = n > 2 ? longest / (n - 2) : longest;
-  const glm::dvec3 lower = .5 * (facts.bounds_min + facts.bounds_max) - glm::dvec3(.5 * s * n);
-  interop::Grid grid{};
-  grid.cells = {n, n, n, 1};
-  grid.cascade[0] = glm::vec4(glm::vec3(lower), static_cast<float>(s));
-  return grid;
-}
+// What OpenGL 4.5 guarantees for the side of a volume.
+constexpr int max_slices = 2048;
+// EmissionHit in shaders/inject/hit.glsl.
+constexpr std::size_t hit_bytes = 48;
+// ROW in shaders/inject/elements.glsl.
+constexpr int row = 4096;
+glm::ivec3 in_rows(int elements) { return {row, (elements + row - 1) / row, 1}; }
 
 class Inject final : public Pass {
  public:
@@ -53,97 +59,215 @@ class Inject final : public Pass {
                .unit = "cells",
                .scale = Scale::log,
                .cost = Cost::graph,
-               .doc = "cells along each side of the scene's box"});
+               .doc = "cells along each side of a cascade; the coarsest spans the scene's box"});
+    p.integer("cascades", cascades_,
+              {.min = 1,
+               .max = LOOM_MAX_CASCADES,
+               .cost = Cost::graph,
+               .doc = "nested grids ahead of the camera, each of half the cell of the next"});
+    p.integer("emission_rays", emission_rays_,
+              {.min = 0,
+               .max = 1048576,
+               .scale = Scale::log,
+               .cost = Cost::graph,
+               .doc = "rays from all emissive triangles, and again from the sky, to what they light; 0 = none"});
+    p.choice("method", method_, {"compute", "points"},
+             {.cost = Cost::graph, .doc = "how flux is summed: fixed-point atomics, or points blended into layers"});
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
-    auto lights = ports.in("lights", "LightLayers").reads("flux").reads("normal").reads("depth");
+    auto lights = ports.in("lights", "LightLayers").optional().reads("flux").reads("normal").reads("depth");
     lights.reads("faces", Access::storage_read);
     auto surface = ports.in("surface", "Surface").optional();
     surface.reads("depth").reads("geometric_normal").reads("albedo");
-    auto flux = ports.out("flux", "ShVolume").attribute("bands", 2);
-    auto blockers = ports.out("blockers", "VoxelScene");
-    if (lights.absent()) {
-      flux.absent(lights.why_absent());
-      return blockers.absent(lights.why_absent());
+    auto flux = ports.out("flux", "ShVolume").attribute("bands", 2).attribute("cascades", cascades_);
+    auto blockers = ports.out("blockers", "VoxelScene").attribute("cascades", cascades_);
+    emitters_ = facts.emissive_triangles > 0 && emission_rays_ > 0;
+    sky_ = (facts.sky || !ports.rule("no-emission")) && emission_rays_ > 0;  // a black sky adds nothing
+    lit_ = !lights.absent();
+    if (!lit_ && !emitters_ && !sky_) {
+      const std::string why = lights.connected() ? lights.why_absent() : "no lights are wired";
+      flux.absent(why + ", and no emission is traced");
+      return blockers.absent(why + ", and no emission is traced");
     }
-    grid_block_ = fit_grid(facts, grid_);
-    for (const std::string& channel : channels) {
-      flux.texture(channel, TextureDesc::volume(grid_, Format::rgba32f), Access::image_read_write).cleared(channel);
+    if (3 * cascades_ * grid_ > max_slices) {
+      ports.error("inject-cells",
+                  std::to_string(cascades_) + " cascades of " + std::to_string(grid_) +
+                      "³ cells: three axes of albedo exceed 2048 slices",
+                  "cascades × grid must be at most " + std::to_string(max_slices / 3));
     }
-    blockers
-        .texture("occupancy", TextureDesc::volume(grid_, Format::rgba32f, Filter::nearest), Access::image_read_write)
-        .cleared("occupancy");
-    TextureDesc albedo = TextureDesc::volume(grid_, Format::rgba16f, Filter::nearest);
-    albedo.depth *= 3;  // one slab a face axis
-    blockers.texture("albedo", albedo, Access::image_write).cleared("albedo");
-
-    const std::size_t cells = static_cast<std::size_t>(grid_) * grid_ * grid_;
-    ports.scratch("fixed", BufferDesc{.bytes = 12 * cells * sizeof(std::int32_t)});
-    ports.scratch("area", BufferDesc{.bytes = 12 * cells * sizeof(std::uint32_t)});
-    ports.decide("bounds", std::to_string(grid_) + "³ cells of " + std::to_string(grid_block_.cascade[0].w) + " m",
+    coarsest_ = inject::fit_grid(facts, grid_);
+    scene_centre_ = glm::vec3(.5 * (facts.bounds_min + facts.bounds_max));
+    scene_radius_ = static_cast<float>(.5 * glm::length(facts.bounds_max - facts.bounds_min));
+    scene_defines_ = scene_defines(facts);
+    declare(ports, flux, blockers);
+    retrace_ = facts.moves || !ports.rule("static");
+    ports.decide("bounds", std::to_string(grid_) + "³ cells of " + std::to_string(coarsest_.cascade[0].w) + " m",
                  "longest side of the scene's box");
+    if (!emitters_ && !sky_) ports.decide("no-emission", "no emission is traced", "no emissive triangle, black sky");
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
+    const auto flag = [](bool on) { return on ? "1" : "0"; };
+    const auto has = [&](const std::string& member) { return flag(bindings.has(member)); };
     blocks_ = bindings.has("blockers.occupancy");
-    light_ = device.program({.files = {"inject/light.comp"}});
-    camera_ = device.program({.files = {"inject/camera.comp"}});
-    resolve_flux_.clear();
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      if (!bindings.has("flux." + channels[i])) continue;
-      resolve_flux_.push_back(
-          device.program({.files = {"inject/resolve_flux.comp"},
-                          .defines = {{"VOLUME", "flux_" + channels[i]}, {"CHANNEL", std::to_string(i)}}}));
+    const std::vector<Define> which_blockers = {{"ALBEDO", has("blockers.albedo")},
+                                                {"DIRECTIONAL", has("blockers.directional")}};
+    const std::vector<Define> which_channels = {
+        {"RED", has("flux.red")}, {"GREEN", has("flux.green")}, {"BLUE", has("flux.blue")}};
+    const auto source = [&](const char* from) {
+      auto defines = which_blockers;
+      defines.emplace_back("SOURCE", from);
+      defines.emplace_back("FLUX", flag(method_ == "compute"));
+      Source programs{.compute = device.program({.files = {"inject/flux.comp"}, .defines = defines})};
+      if (method_ == "points") {
+        programs.points = device.program({.files = {"inject/points.vert", "inject/points.geom", "inject/points.frag"},
+                                          .defines = {{"SOURCE", from}}});
+      }
+      return programs;
+    };
+    if (lit_) light_ = source("FROM_LIGHT");
+    if (emitters_ || sky_) {
+      hits_ = source("FROM_EMISSION");
+      auto defines = scene_defines_;
+      defines.emplace_back("EMITTERS", flag(emitters_));
+      defines.emplace_back("SKY", flag(sky_));
+      trace_ = device.program({.files = {"inject/emission.comp"}, .defines = defines});
+      scale_ = device.program({.files = {"inject/emission_scale.comp"}});
+      traced_.reset();
     }
-    resolve_blockers_ = nullptr;
+    if (method_ == "compute") {
+      resolve_flux_ = device.program({.files = {"inject/resolve_flux.comp"}, .defines = which_channels});
+    }
     if (blocks_) {
-      resolve_blockers_ = device.program({.files = {"inject/resolve_blockers.comp"},
-                                          .defines = {{"ALBEDO", bindings.has("blockers.albedo") ? "1" : "0"}}});
+      camera_ = device.program({.files = {"inject/camera.comp"}, .defines = which_blockers});
+      resolve_blockers_ = device.program({.files = {"inject/resolve_blockers.comp"}, .defines = which_blockers});
     }
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
-    bindings.publish("flux", grid_block_);
-    bindings.publish("blockers", grid_block_);
-    bindings.buffer("scratch.fixed").clear();
-    bindings.buffer("scratch.area").clear();
-    const glm::ivec3 cells(grid_block_.cells);
-    const int size = bindings.texture("lights.flux").desc().width;
-
-    for (const interop::Light& light : frame.scene().lights()) {
-      const int faces = static_cast<int>(light.intensity.w);
-      const auto scale = static_cast<float>(flux_scale(light, frame.scene().facts()));
-      if (scale <= 0) continue;
-      const float area_scale = element_scale(static_cast<double>(size) * size * faces);
-      light_->set("first_face", static_cast<int>(light.direction.w));
-      light_->set("flux_scale", scale);
-      light_->set("area_scale", area_scale);
-      frame.dispatch(*light_, bindings, {size, size, faces});
-      resolve(frame, bindings, cells, scale, area_scale);
-    }
-    if (blocks_ && !bindings.absent("surface")) {
-      const float area_scale = element_scale(static_cast<double>(frame.size().x) * frame.size().y);
-      camera_->set("area_scale", area_scale);
-      frame.dispatch(*camera_, bindings, {frame.size(), 1});
-      resolve(frame, bindings, cells, 0, area_scale);
+    const interop::Grid grid = inject::place_cascades(coarsest_, cascades_, frame.camera());
+    bindings.publish("flux", grid);
+    bindings.publish("blockers", grid);
+    if (emitters_ || sky_) trace_emission(frame, bindings);
+    for (int cascade = 0; cascade < cascades_; ++cascade) {
+      if (lit_) inject_lights(frame, bindings, cascade);
+      if (emitters_ || sky_) inject_emission(frame, bindings, cascade);
+      if (blocks_ && !bindings.absent("surface")) {
+        clear_sums(bindings);
+        camera_->set("cascade", cascade);
+        frame.dispatch(*camera_, bindings, {frame.size(), 1});
+        frame.barrier();
+        resolve_blockers(frame, bindings, cascade);
+      }
     }
   }
 
  private:
-  /// What one buffer left in the fixed-point sums goes to the volumes.
-  void resolve(Frame& frame, const Bindings& bindings, glm::ivec3 cells, float flux_scale, float area_scale) {
+  struct Source {
+    std::shared_ptr<const Program> compute, points;  ///< points is null where atomics sum the flux
+  };
+
+  void declare(Ports& ports, OutputPort& flux, OutputPort& blockers) const {
+    const auto volume = [&](Format format, Filter filter, int slabs) {
+      TextureDesc desc = TextureDesc::volume(grid_, format, filter);
+      desc.depth *= slabs;
+      return desc;
+    };
+    const Access written = method_ == "points" ? Access::color : Access::image_read_write;
+    for (const std::string& channel : channels) {
+      flux.texture(channel, volume(Format::rgba32f, Filter::linear, cascades_), written).cleared(channel);
+    }
+    const auto blocker = [&](const char* member, Format format, int slabs, Access access) {
+      blockers.texture(member, volume(format, Filter::nearest, slabs), access).cleared(member);
+    };
+    blocker("occupancy", Format::rgba32f, cascades_, Access::image_read_write);
+    blocker("albedo", Format::rgba16f, 3 * cascades_, Access::image_write);  // one slab a face axis
+    blocker("directional", Format::rgba32f, cascades_, Access::image_read_write);
+
+    const std::size_t cells = static_cast<std::size_t>(grid_) * grid_ * grid_;
+    if (method_ == "compute") {
+      ports.scratch("fixed", BufferDesc{.bytes = 12 * cells * sizeof(std::int32_t)});
+      ports.scratch("scale", BufferDesc{.bytes = 16});
+    }
+    // The 16 slots of shaders/inject/inject.glsl: at 128³ cells the 128 MiB that OpenGL 4.5 guarantees a block.
+    for (const char* words : {"low", "high"}) ports.scratch(words, BufferDesc{16 * cells * sizeof(std::uint32_t)});
+    if (emitters_ || sky_) ports.persistent("emission", BufferDesc{.bytes = hits() * hit_bytes});
+  }
+
+  /// Rays of both kinds.
+  [[nodiscard]] std::size_t hits() const {
+    return static_cast<std::size_t>(emission_rays_) * ((emitters_ ? 1 : 0) + (sky_ ? 1 : 0));
+  }
+
+  /// Where nothing has changed since, the rays of an earlier frame stand.
+  void trace_emission(Frame& frame, const Bindings& bindings) {
+    const Version now{frame.scene().geometry_version(), frame.scene().lights_version(), frame.info().seed,
+                      frame.scene().sky_radiance()};
+    const bool after_reset = frame.info().index == 0 && frame.info().sample == 0;
+    if (!retrace_ && !after_reset && traced_ == now) return;
+    trace_->set("scene_centre", scene_centre_);
+    trace_->set("scene_radius", scene_radius_);
+    frame.dispatch(*trace_, bindings, in_rows(static_cast<int>(hits())));
     frame.barrier();
-    if (flux_scale > 0) {
-      for (const auto& resolve : resolve_flux_) {
-        resolve->set("flux_scale", flux_scale);
-        frame.dispatch(*resolve, bindings, cells);
+    traced_ = now;
+  }
+
+  void inject_lights(Frame& frame, const Bindings& bindings, int cascade) const {
+    const int size = bindings.texture("lights.flux").desc().width;
+    for (const interop::Light& light : frame.scene().lights()) {
+      const auto scale = static_cast<float>(flux_scale(light, frame.scene().facts()));
+      if (scale <= 0) continue;
+      if (method_ == "compute") bindings.buffer("scratch.scale").write(std::as_bytes(std::span(&scale, 1)));
+      const int elements = size * size * static_cast<int>(light.intensity.w);
+      for (const auto& program : {light_.compute, light_.points}) {
+        if (program) program->set("first_face", static_cast<int>(light.direction.w));
       }
+      add(frame, bindings, light_, cascade, elements);
     }
-    if (blocks_) {
-      resolve_blockers_->set("area_scale", area_scale);
-      frame.dispatch(*resolve_blockers_, bindings, cells);
+  }
+
+  void inject_emission(Frame& frame, const Bindings& bindings, int cascade) const {
+    if (method_ == "compute") {
+      frame.dispatch(*scale_, bindings, {1, 1, 1});
+      frame.barrier();
     }
+    add(frame, bindings, hits_, cascade, static_cast<int>(hits()));
+  }
+
+  static void clear_sums(const Bindings& bindings) {
+    for (const char* sums : {"scratch.fixed", "scratch.low", "scratch.high"}) {
+      if (bindings.has(sums)) bindings.buffer(sums).clear();
+    }
+  }
+
+  /// All elements of one source, to the volumes of one cascade.
+  void add(Frame& frame, const Bindings& bindings, const Source& source, int cascade, int elements) const {
+    clear_sums(bindings);
+    source.compute->set("cascade", cascade);
+    source.compute->set("elements", elements);
+    if (method_ == "compute" || blocks_) {
+      frame.dispatch(*source.compute, bindings, in_rows(elements));
+      frame.barrier();
+    }
+    if (source.points) {
+      source.points->set("cascade", cascade);
+      source.points->set("elements", elements);
+      frame.continue_raster(bindings, flux_members);
+      for (int i = 0; i < 3; ++i) frame.blend(i, Blend::add);
+      frame.points(*source.points, bindings, elements);
+    } else {
+      resolve_flux_->set("cascade", cascade);
+      frame.dispatch(*resolve_flux_, bindings, glm::ivec3(coarsest_.cells));
+    }
+    if (blocks_ && &source == &light_) resolve_blockers(frame, bindings, cascade);
+    frame.barrier();
+  }
+
+  /// What one buffer left in the sums of areas goes to the volumes.
+  void resolve_blockers(Frame& frame, const Bindings& bindings, int cascade) const {
+    resolve_blockers_->set("cascade", cascade);
+    frame.dispatch(*resolve_blockers_, bindings, glm::ivec3(coarsest_.cells));
     frame.barrier();
   }
 
@@ -157,20 +281,28 @@ class Inject final : public Pass {
     return power > 0 ? 0x1p30 / (power * 1.0234 / pi) : 0;
   }
 
-  /// Fixed-point units a cell face: `elements` of them, each at most one face, cannot wrap 32 bits.
-  static float element_scale(double elements) {
-    return static_cast<float>(std::min(0x1p24, std::floor(4294967040. / std::max(1., elements)) - 1));
-  }
+  struct Version {
+    std::uint64_t geometry, lights;
+    std::uint32_t seed;
+    glm::vec3 sky;
+    bool operator==(const Version&) const = default;
+  };
 
-  int grid_ = 32;
-  interop::Grid grid_block_{};
-  bool blocks_ = false;
-  std::shared_ptr<const Program> light_, camera_, resolve_blockers_;
-  std::vector<std::shared_ptr<const Program>> resolve_flux_;  // of the channels that are read
+  int grid_ = 32, cascades_ = 1, emission_rays_ = 65536;
+  std::string method_ = "compute";
+  interop::Grid coarsest_{};
+  glm::vec3 scene_centre_{0};
+  float scene_radius_ = 0;
+  std::vector<Define> scene_defines_;
+  bool lit_ = false, emitters_ = false, sky_ = false, blocks_ = false;
+  bool retrace_ = false;           // every frame
+  std::optional<Version> traced_;  // the state of the scene that persistent.emission holds
+  Source light_, hits_;
+  std::shared_ptr<const Program> camera_, trace_, scale_, resolve_flux_, resolve_blockers_;
 };
 
 }  // namespace
 
 LOOM_PLUGIN("inject", registry) {
-  registry.add<Inject>("Inject", "Flux and blockers in a grid, from what lights and camera see");
+  registry.add<Inject>("Inject", "Flux and blockers in a grid, from what lights, emitters, sky and camera reach");
 }

@@ -3,17 +3,26 @@
 // The cells of a grid hold intensity I(ω) [W/sr] as two-band SH. In each iteration a cell gathers from its six
 // neighbours the flux through its own five far faces, Φ_face = I(ω_c)·Δω, and sends it on as a cosine lobe about the
 // face's normal. Surfaces stand on the faces between cells: a face blocks the share B of the flux that crosses it, and
-// B·ρ of it starts the next order of reflection, so that each order's gain is at most ρ < 1.
+// B·ρ of it starts the next order of reflection, so that each order's gain is at most ρ < 1. With `blockers: sh` the
+// share depends on the direction of travel instead, B(ω) in two SH bands at the corners of cells (the half-cell-shifted
+// grid of the original): a full wall then blocks .75 of what meets it head-on, and its two faces each .5 of the rest.
 //
-// Propagation is a random walk: light needs about 2k² iterations to arrive k cells away.
+// Propagation is a random walk: light needs about 2k² iterations to arrive k cells away. Nested grids (cascades)
+// shorten the way; each is propagated on its own.
+//
+// Both methods run the same three stages on the same volumes: as compute shaders, or as fragment shaders whose targets
+// are the layers of the volumes and which add up by blending.
 #include "loom/plugin.h"
 
+#include <algorithm>
 #include <array>
-#include <cstddef>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
 #include "interop/grid.h"
@@ -24,70 +33,156 @@ using namespace loom;
 
 const std::array<std::string, 3> channels{"red", "green", "blue"};
 
+// What OpenGL 4.5 guarantees for the side of a volume.
+constexpr int max_slices = 2048;
+
 class Lpv final : public Pass {
  public:
   void params(Params& p) override {
     p.integer("iterations", iterations_, {.min = 0, .max = 1024, .scale = Scale::log, .doc = "steps of each order"});
     p.integer("bounces", bounces_, {.min = 1, .max = 16, .doc = "orders of reflection; 1 = the injected light alone"});
+    p.choice("blockers", blockers_, {"faces", "sh"},
+             {.cost = Cost::graph,
+              .doc = "shares of the faces between cells, or a function of direction at their corners, which leaks"});
+    p.choice("method", method_, {"compute", "fragment"},
+             {.cost = Cost::graph, .doc = "shader stage that propagates; the results agree bit for bit"});
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
     auto flux = ports.in("flux", "ShVolume").reads("red").reads("green").reads("blue");
     auto blockers = ports.in("blockers", "VoxelScene").optional().reads("occupancy").reads("albedo");
+    const char* shares = blockers_ == "sh" ? "directional" : "occupancy";
+    if (blockers_ == "sh") blockers.reads(shares);  // the albedo is still that of the faces
     auto intensity = ports.out("intensity", "ShVolume").attribute("bands", 2);
     if (flux.absent()) return intensity.absent(flux.why_absent());
     const TextureDesc* red = flux.texture("red");
     if (red == nullptr) return ports.error("lpv-flux", "the flux volume has no member `red`", "wire it to Inject");
-    cells_ = static_cast<std::size_t>(red->width) * red->height * red->depth;
-    blocked_ = blockers.texture("occupancy") != nullptr && blockers.texture("albedo") != nullptr;
+    cascades_ = flux.attribute("cascades", 1);
+    cells_ = {red->width, red->height, red->depth / cascades_};
+    if (3 * cells_.z > max_slices) {
+      return ports.error("lpv-cells", std::to_string(cells_.z) + " cells deep, three channels exceed 2048 slices",
+                         "use a coarser grid");
+    }
+    blocked_ = blockers.texture(shares) != nullptr && blockers.texture("albedo") != nullptr;
+    if (blocked_ && !same_cells(*blockers.texture(shares), blockers.attribute("cascades", 1))) {
+      return ports.error("lpv-grids", "flux and blockers are on different grids", "give both passes the same cells");
+    }
+    intensity.attribute("cascades", cascades_);
     for (const std::string& channel : channels) intensity.texture(channel, *red, Access::image_write);
 
-    ports.scratch("front", BufferDesc{.bytes = 2 * 4 * cells_ * sizeof(glm::vec4)});
-    ports.scratch("sum", BufferDesc{.bytes = 3 * cells_ * sizeof(glm::vec4)});
-    ports.scratch("blocked", BufferDesc{.bytes = 3 * cells_ * sizeof(glm::vec4)});
-    if (!blocked_) ports.decide("bounces", "one order", "no blockers are wired: nothing reflects");
+    const Access written = method_ == "fragment" ? Access::color : Access::image_read_write;
+    const TextureDesc state = volume(Format::rgba32f, 3);
+    for (const char* name : {"front0", "front1", "sum"}) ports.scratch(name, state, written);
+    if (blocked_) {
+      ports.scratch("blocked", state, written);
+      ports.scratch("open", volume(Format::rgba32ui, 1), Access::image_write);
+      ports.scratch("reflect", volume(Format::rgba32ui, 3), Access::image_write);
+    } else {
+      ports.decide("bounces", "one order", "no blockers are wired: nothing reflects");
+    }
     if (!facts.moves) ports.keep_outputs();
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
-    const std::vector<Define> defines = {{"BLOCKERS", blocked_ ? "1" : "0"}};
-    begin_ = device.program({.files = {"lpv/begin.comp"}});
-    propagate_ = device.program({.files = {"lpv/propagate.comp"}, .defines = defines});
-    resolve_.clear();
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      if (!bindings.has("intensity." + channels[i])) continue;
-      resolve_.push_back(
-          device.program({.files = {"lpv/resolve.comp"},
-                          .defines = {{"VOLUME", "intensity_" + channels[i]}, {"CHANNEL", std::to_string(i)}}}));
+    const std::string file = method_ == "fragment" ? "lpv/stage.frag" : "lpv/stage.comp";
+    const std::string row = cells_.x > 16 ? "32" : cells_.x > 8 ? "16" : "8";
+    const auto stage = [&](const char* name, const char* from, const char* to) {
+      return device.program(
+          {.files = {file},
+           .defines = {{"STAGE", name}, {"BLOCKERS", blocked_ ? "1" : "0"}, {"FROM", from}, {"TO", to}, {"ROW", row}}});
+    };
+    begin_ = stage("BEGIN", "scratch_front1", "scratch_front0");
+    steps_ = {stage("STEP", "scratch_front0", "scratch_front1"), stage("STEP", "scratch_front1", "scratch_front0")};
+    if (blocked_) {
+      reflect_ = stage("REFLECT", "scratch_front0", "scratch_front1");
+      walls_ =
+          device.program({.files = {"lpv/walls.comp"}, .defines = {{"DIRECTIONAL", blockers_ == "sh" ? "1" : "0"}}});
     }
+    const auto made = [&](const std::string& channel) { return bindings.has("intensity." + channel) ? "1" : "0"; };
+    resolve_ = device.program({.files = {"lpv/resolve.comp"},
+                               .defines = {{"RED", made("red")}, {"GREEN", made("green")}, {"BLUE", made("blue")}}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
     const auto grid = bindings.data<interop::Grid>("flux");
+    if (blocked_) check_same_place(grid, bindings.data<interop::Grid>("blockers"));
     bindings.publish("intensity", grid);
-    const glm::ivec3 cells(grid.cells);
-    for (int order = 0; order < (blocked_ ? bounces_ : 1); ++order) {
-      begin_->set("order", order);
-      frame.dispatch(*begin_, bindings, {static_cast<int>(cells_), 1, 1});
-      frame.barrier();
-      for (int i = 0; i < iterations_; ++i) {
-        propagate_->set("source_half", i & 1);
-        frame.dispatch(*propagate_, bindings, cells);
+    for (int cascade = 0; cascade < cascades_; ++cascade) {
+      if (blocked_) {
+        walls_->set("cascade", cascade);
+        frame.dispatch(*walls_, bindings, cells_);
         frame.barrier();
       }
+      for (int order = 0; order < (blocked_ ? bounces_ : 1); ++order) propagate(frame, bindings, cascade, order);
+      resolve_->set("cascade", cascade);
+      frame.dispatch(*resolve_, bindings, cells_);
+      frame.barrier();
     }
-    for (const auto& resolve : resolve_) frame.dispatch(*resolve, bindings, cells);
   }
 
   /// All that the result depends on comes in over the wires, which the executor watches.
   [[nodiscard]] Fingerprint fingerprint(const Frame& /*frame*/) const override { return 0; }
 
  private:
+  using Members = std::vector<std::string_view>;
+
+  void propagate(Frame& frame, const Bindings& bindings, int cascade, int order) const {
+    begin_->set("cascade", cascade);
+    begin_->set("order", order);
+    run(frame, bindings, *begin_, {"scratch.front0", "scratch.sum"}, order == 0 ? 2 : 1);
+    if (blocked_) run(frame, bindings, *reflect_, {"scratch.blocked"}, 1);
+    for (int i = 0; i < iterations_; ++i) {
+      Members targets{i % 2 == 0 ? "scratch.front1" : "scratch.front0", "scratch.sum"};
+      if (blocked_) targets.emplace_back("scratch.blocked");
+      run(frame, bindings, *(i % 2 == 0 ? steps_[0] : steps_[1]), targets, 1);
+    }
+  }
+
+  /// One stage over all cells and channels. Of its targets the first `replaced` are written, the others added to.
+  void run(Frame& frame, const Bindings& bindings, const Program& program, const Members& targets, int replaced) const {
+    if (method_ == "compute") {
+      frame.dispatch(program, bindings, cells_ * glm::ivec3(1, 1, 3));
+    } else {
+      frame.continue_raster(bindings, targets);
+      for (int i = 0; i < static_cast<int>(targets.size()); ++i) {
+        frame.blend(i, i < replaced ? Blend::replace : Blend::add);
+      }
+      frame.fullscreen(program, bindings);
+    }
+    frame.barrier();
+  }
+
+  [[nodiscard]] TextureDesc volume(Format format, int slabs) const {
+    TextureDesc desc = TextureDesc::volume(cells_.x, format, Filter::nearest);
+    desc.height = cells_.y;
+    desc.depth = slabs * cells_.z;
+    return desc;
+  }
+
+  [[nodiscard]] bool same_cells(const TextureDesc& shares, int cascades) const {
+    return cascades == cascades_ && shares.width == cells_.x && shares.height == cells_.y &&
+           shares.depth == cells_.z * cascades_;
+  }
+
+  /// Two passes may fit their grids in different ways; within a thousandth of a cell they are one grid.
+  void check_same_place(const interop::Grid& flux, const interop::Grid& blockers) const {
+    for (int k = 0; k < cascades_; ++k) {
+      const glm::vec4 difference = glm::abs(flux.cascade[k] - blockers.cascade[k]);
+      const float bound = 1e-3F * flux.cascade[k].w;
+      const bool corner = std::max({difference.x, difference.y, difference.z}) <= bound;
+      if (!corner || difference.w * static_cast<float>(cells_.x) > bound) {
+        throw Error("LPV: flux and blockers are on different grids; wire both to one pass, or fit both alike");
+      }
+    }
+  }
+
   int iterations_ = 16, bounces_ = 1;
-  std::size_t cells_ = 0;
+  std::string method_ = "compute", blockers_ = "faces";
+  glm::ivec3 cells_{1};
+  int cascades_ = 1;
   bool blocked_ = false;
-  std::shared_ptr<const Program> begin_, propagate_;
-  std::vector<std::shared_ptr<const Program>> resolve_;  // of the channels that are read
+  std::shared_ptr<const Program> begin_, reflect_, walls_, resolve_;
+  std::array<std::shared_ptr<const Program>, 2> steps_;  // from the first front to the second, and back
 };
 
 }  // namespace

@@ -13,6 +13,7 @@ uniform sampler3D volume_red;
 uniform sampler3D volume_green;
 uniform sampler3D volume_blue;
 layout(rgba32f) uniform writeonly image2D irradiance_irradiance;
+uniform float blend;
 
 // Irradiance on a surface that faces −axis, from light that travels with radiance coefficients c.
 float irradiance(vec4 c, vec3 axis) {
@@ -31,6 +32,21 @@ float irradiance(vec4 c, vec3 axis) {
 #endif
 }
 
+// What cascade k says of the surface at a position; the volume is read half a cell off it, since the surface's own cell
+// holds light of both of its sides. `share`: 1 inside, falling to 0 over `blend` cells at the border.
+vec3 from_cascade(int k, vec3 position, vec3 n, out float share) {
+  float s = grid.cascade[k].w;
+  vec3 cells = vec3(grid.cells.xyz);
+  vec3 at = grid_coordinates(grid, k, position + 0.5 * s * n);
+  // Beyond the centres of the outermost cells there is nothing to interpolate with, and along z another cascade follows.
+  vec3 inside = min(at, cells - at) - 0.5;
+  share = clamp(min(inside.x, min(inside.y, inside.z)) / max(blend, 1e-6), 0.0, 1.0);
+  at = clamp(at, vec3(0.5), cells - 0.5);
+  vec3 uvw = (at + vec3(0, 0, k * grid.cells.z)) / vec3(grid.cells.xy, grid.cells.z * grid.cells.w);
+  return 2.0 / (3.0 * s * s) * vec3(irradiance(texture(volume_red, uvw), -n), irradiance(texture(volume_green, uvw), -n),
+                                    irradiance(texture(volume_blue, uvw), -n));
+}
+
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, imageSize(irradiance_irradiance)))) return;
@@ -39,12 +55,15 @@ void main() {
   if (depth > 0.0) {
     vec3 n = normalize(texelFetch(surface_normal, pixel, 0).xyz);
     vec3 position = surface_position(camera, (vec2(pixel) + 0.5) * camera.size.zw, depth);
-    float s = grid.cascade[0].w;
-    // Half a cell off the surface: the surface's own cell holds light of both of its sides.
-    vec3 at = grid_coordinates(grid, 0, position + 0.5 * s * n) / vec3(grid.cells.xyz);
-    float to_radiance = 2.0 / (3.0 * s * s);
-    e = to_radiance * vec3(irradiance(texture(volume_red, at), -n), irradiance(texture(volume_green, at), -n),
-                           irradiance(texture(volume_blue, at), -n));
+    float left = 1.0;  // share that finer cascades have not answered for
+    int cascades = clamp(grid.cells.w, 1, LOOM_MAX_CASCADES);
+    for (int k = 0; k < cascades && left > 0.0; ++k) {
+      float share;
+      vec3 of_this = from_cascade(k, position, n, share);
+      if (k == cascades - 1) share = 1.0;  // the coarsest answers for the rest
+      e += left * share * of_this;
+      left *= 1.0 - share;
+    }
   }
   imageStore(irradiance_irradiance, pixel, vec4(e, 1.0));
 }

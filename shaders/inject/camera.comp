@@ -8,7 +8,6 @@ layout(std140) uniform surface_data { Camera camera; };
 uniform sampler2D surface_depth;
 uniform sampler2D surface_geometric_normal;
 uniform sampler2D surface_albedo;
-uniform float area_scale;
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = textureSize(surface_depth, 0);
@@ -27,5 +26,5 @@ void main() {
     facing_area = plane_area * c * c * c * depth * depth;
   }
   add_blocker(surface_position(camera, uv, depth), n, facing_area / cosine,
-              texelFetch(surface_albedo, pixel, 0).rgb, area_scale);
+              texelFetch(surface_albedo, pixel, 0).rgb);
 }

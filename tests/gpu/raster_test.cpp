@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -69,6 +71,60 @@ TEST_F(RasterTest, ColourOutputsKeepTheirLocationsWhereSomeAreUnread) {
   const auto last = make(passes + R"({ "image": "t.surface.albedo" } })");
   frame(*last);
   EXPECT_EQ(uniform_value(*last), 3);
+}
+
+// Five points in one texel of the third layer, one beside it: a sum, and the last of them where the target replaces.
+TEST_F(RasterTest, PointsAddUpWhereTheTargetBlends) {
+  write_shader("point.vert", R"(
+void main() { gl_Position = vec4(gl_VertexID == 5 ? .75 : -.75, -.5, .5, 1.); }
+)");
+  write_shader("point.geom", R"(
+layout(points) in;
+layout(points, max_vertices = 1) out;
+void main() { gl_Layer = 2; gl_PointSize = 1.; gl_Position = gl_in[0].gl_Position; EmitVertex(); }
+)");
+  write_shader("point.frag", R"(
+layout(location = 0) out vec4 sum;
+layout(location = 1) out vec4 last;
+void main() { sum = vec4(2); last = vec4(2); }
+)");
+  add_pass(registry_, "Points", [] {
+    const auto program = std::make_shared<std::shared_ptr<const Program>>();
+    return PassFunctions{.reflect =
+                             [](Ports& p) {
+                               TextureDesc volume = TextureDesc::volume(4, Format::rgba32f, Filter::nearest);
+                               volume.height = 2;
+                               p.out("sum", "Image").texture("image", volume, Access::color);
+                               p.out("last", "Image").texture("image", volume, Access::color);
+                             },
+                         .prepare =
+                             [=](Device& d, const Bindings&) {
+                               *program = d.program({.files = {"point.vert", "point.geom", "point.frag"}});
+                             },
+                         .execute =
+                             [=](Frame& f, const Bindings& b) {
+                               static constexpr std::array<std::string_view, 2> targets{"sum.image", "last.image"};
+                               f.begin_raster(b, targets);
+                               f.blend(0, Blend::add);
+                               f.points(**program, b, 4);
+                               // What the targets hold stays, and blending too, until it is said otherwise.
+                               f.continue_raster(b, targets);
+                               f.points(**program, b, 6);
+                               f.blend(0, Blend::replace);
+                               f.continue_raster(b, targets);
+                               f.points(**program, b, 0);
+                             }};
+  });
+  const auto renderer = make(R"({ "passes": { "p": { "type": "Points" } },
+    "outputs": { "image": "p.sum", "last": "p.last" } })");
+  for (int i = 0; i < 2; ++i) {
+    frame(*renderer);
+    const auto sum = renderer->output("image")->read(), last = renderer->output("last")->read();
+    for (std::size_t k = 0; k < sum.size(); ++k) {
+      EXPECT_EQ(sum[k].x, k == 16 ? 18 : k == 19 ? 2 : 0) << k;  // layer 2 of 4×2 texels
+      EXPECT_EQ(last[k].x, k == 16 || k == 19 ? 2 : 0) << k;
+    }
+  }
 }
 
 TEST_F(RasterTest, DepthIsReversedAndCleared) {

@@ -2,124 +2,22 @@
 // bounces.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <memory>
-#include <numbers>
-#include <span>
+#include <random>
 #include <string>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <glm/vector_relational.hpp>
 
-#include "interop/camera.h"
-#include "interop/grid.h"
-#include "loom/diagnostic.h"
-#include "loom/pass.h"
-#include "plugins/loader.h"
-#include "support/render.h"
+#include "volume/field.h"
 
-namespace loom {
+namespace loom::test {
 namespace {
-
-using test::add_pass;
-using test::PassFunctions;
-using test::RenderTest;
-
-constexpr double pi = std::numbers::pi;
-
-/// SH coefficients (c00, c1−1, c10, c11) of the lobe Φ/π·⟨n,ω⟩₊ of flux 1 W.
-glm::vec4 unit_lobe(glm::vec3 n) {
-  constexpr float z0 = .88622693F, z1 = 1.02332671F;
-  return glm::vec4(z0, z1 * n.y, z1 * n.z, z1 * n.x) / static_cast<float>(pi);
-}
-
-/// What the fake sources put into the grid.
-struct Field {
-  int n = 16;
-  std::vector<glm::vec4> red;        // coefficients, x fastest
-  std::vector<glm::vec4> occupancy;  // of the three lower faces
-  std::vector<glm::vec4> albedo;     // 3 slabs
-  explicit Field(int cells)
-      : n(cells),
-        red(static_cast<std::size_t>(cells * cells * cells)),
-        occupancy(red.size()),
-        albedo(3 * red.size(), glm::vec4(.5F)) {}
-  [[nodiscard]] std::size_t at(int x, int y, int z) const { return static_cast<std::size_t>(x + n * (y + n * z)); }
-};
-
-class LpvTest : public RenderTest {
- protected:
-  void SetUp() override {
-    RenderTest::SetUp();
-    if (IsSkipped()) return;
-    Diagnostics diagnostics;
-    plugins::load_plugins({.dirs = {LOOM_BINARY_DIR "/lib/loom/passes"}, .installed = false}, registry_, diagnostics);
-    ASSERT_FALSE(diagnostics.has_errors());
-  }
-
-  /// Registers `Source` (flux and blockers of `field`) for this test.
-  void add_source(const Field& field) {
-    add_pass(registry_, "Source", [&field] {
-      return PassFunctions{
-          .reflect =
-              [&field](Ports& ports) {
-                auto flux = ports.out("flux", "ShVolume");
-                for (const char* channel : {"red", "green", "blue"}) {
-                  flux.texture(channel, TextureDesc::volume(field.n, Format::rgba32f), Access::image_write);
-                }
-                auto blockers = ports.out("blockers", "VoxelScene");
-                TextureDesc volume = TextureDesc::volume(field.n, Format::rgba32f, Filter::nearest);
-                blockers.texture("occupancy", volume, Access::image_write);
-                volume.depth *= 3;
-                blockers.texture("albedo", volume, Access::image_write);
-              },
-          .execute =
-              [&field](Frame&, const Bindings& io) {
-                interop::Grid grid{};
-                grid.cells = {field.n, field.n, field.n, 1};
-                grid.cascade[0] = {0, 0, 0, 1};
-                io.publish("flux", grid);
-                for (const char* channel : {"red", "green", "blue"}) {
-                  io.texture("flux." + std::string(channel)).write(std::as_bytes(std::span(field.red)));
-                }
-                if (!io.has("blockers.occupancy")) return;
-                io.publish("blockers", grid);
-                io.texture("blockers.occupancy").write(std::as_bytes(std::span(field.occupancy)));
-                io.texture("blockers.albedo").write(std::as_bytes(std::span(field.albedo)));
-              }};
-    });
-  }
-
-  /// Coefficients of the red channel after propagation.
-  std::vector<glm::vec4> propagate(bool blockers, int iterations, int bounces = 1) {
-    const std::string pipeline = R"({"passes": {
-      "source": {"type": "Source"},
-      "lpv": {"type": "LPV", "in": {"flux": "source.flux")" +
-                                 std::string(blockers ? R"(, "blockers": "source.blockers")" : "") +
-                                 R"(}, "params": {"iterations": )" + std::to_string(iterations) + R"(, "bounces": )" +
-                                 std::to_string(bounces) + R"(}}},
-      "outputs": {"image": "lpv.intensity.red"}})";
-    const auto renderer = make(pipeline);
-    frame(*renderer);
-    return renderer->output("image")->read();
-  }
-
-  /// Flux of the cells for which `keep` holds: ∫ I dω = 2√π·c00.
-  template <class Keep>
-  static double flux(const Field& field, const std::vector<glm::vec4>& cells, Keep keep) {
-    double sum = 0;
-    for (int z = 0; z < field.n; ++z)
-      for (int y = 0; y < field.n; ++y)
-        for (int x = 0; x < field.n; ++x)
-          if (keep(x, y, z)) sum += 2 * std::sqrt(pi) * cells[field.at(x, y, z)].x;
-    return sum;
-  }
-  static double total(const Field& field, const std::vector<glm::vec4>& cells) {
-    return flux(field, cells, [](int, int, int) { return true; });
-  }
-};
 
 // As long as nothing reaches the border, every step carries the whole flux: after n steps the sum is (n+1)·Φ. A clamp
 // without rescaling would gain 13.8 % in the first step.
@@ -169,6 +67,23 @@ TEST_F(LpvTest, AHalfOpenWallLetsHalfThrough) {
   EXPECT_NEAR(flux(field, propagate(true, 1), right), .5 * open, 1e-5 * open);
 }
 
+// The lecture's blockers: B(ω) = A/s²·⟨n,−ω⟩₊ in two bands at the corners of cells. A full wall with one face blocks
+// ¼ + ½ = .75 of what meets it head-on, and with a second face, whose lobe cancels the first one's, ½.
+TEST_F(LpvTest, BlockersByDirectionLeakAQuarterOfAWallAndHalfOfAThinOne) {
+  Field field(12);
+  field.red[field.at(5, 6, 6)] = unit_lobe({1, 0, 0});
+  add_source(field);
+  const auto right = [](int x, int, int) { return x >= 6; };
+  const double open = flux(field, propagate(true, 1), right);
+  const auto wall = [&](glm::vec4 blocked) {
+    for (int z = 0; z < 12; ++z)
+      for (int y = 0; y < 12; ++y) field.directional[field.at(6, y, z)] = static_cast<float>(pi) * blocked;
+    return flux(field, propagate(true, 1, 1, R"(, "blockers": "sh")"), right) / open;
+  };
+  EXPECT_NEAR(wall(unit_lobe({1, 0, 0})), .25, 1e-3);
+  EXPECT_NEAR(wall(unit_lobe({1, 0, 0}) + unit_lobe({-1, 0, 0})), .5, 1e-3);
+}
+
 // A cell closed on all six sides: each order is the flux of the one before, times ρ.
 TEST_F(LpvTest, OrdersInAClosedCellAreAGeometricSeries) {
   Field field(4);
@@ -184,6 +99,16 @@ TEST_F(LpvTest, OrdersInAClosedCellAreAGeometricSeries) {
     expected += order;
     EXPECT_NEAR(total(field, propagate(true, 3, bounces)), expected, 1e-4 * expected) << bounces;
   }
+}
+
+// ρ = 1 in a closed cell: each order gives the whole of the one before, and no more.
+TEST_F(LpvTest, AWhiteCellIsBounded) {
+  Field field(3);
+  field.red[field.at(1, 1, 1)] = unit_lobe({0, 0, 1});
+  field.occupancy.assign(field.occupancy.size(), glm::vec4(1));
+  field.albedo.assign(field.albedo.size(), glm::vec4(1));
+  add_source(field);
+  EXPECT_NEAR(total(field, propagate(true, 4, 16)), 16, 1e-3);
 }
 
 // Turning everything about an axis turns the result, to rounding.
@@ -206,78 +131,155 @@ TEST_F(LpvTest, NoAxisIsSpecial) {
   EXPECT_NEAR(ahead[2], ahead[0], 1e-6 * ahead[0]);
 }
 
-// A uniform field of radiance L is intensity I = 3s²L/2 in every cell and gives E = πL, whatever the normal.
-TEST_F(LpvTest, GatherOfAUniformFieldIsPiTimesRadiance) {
-  const double radiance = 2.5;
-  Field field(4);
-  field.red.assign(field.red.size(), glm::vec4(static_cast<float>(1.5 * radiance * 2 * std::sqrt(pi)), 0, 0, 0));
-  add_source(field);
-  add_pass(registry_, "Plane", [] {
-    return PassFunctions{.reflect =
-                             [](Ports& ports) {
-                               const glm::ivec2 size = ports.frame_size();
-                               ports.out("surface", "Surface")
-                                   .texture("depth", TextureDesc::image(size, Format::r32f), Access::image_write)
-                                   .texture("normal", TextureDesc::image(size, Format::rgba32f), Access::image_write);
-                             },
-                         .execute =
-                             [](Frame& f, const Bindings& io) {
-                               interop::Camera camera{};
-                               camera.eye = {2, 2, 1, 0};
-                               camera.forward = {0, 0, 1, 0};
-                               camera.right = {.1, 0, 0, 0};
-                               camera.up = {0, .1, 0, 0};
-                               camera.size = {f.size(), 1.F / glm::vec2(f.size())};
-                               io.publish("surface", camera);
-                               io.texture("surface.depth").clear(glm::vec4(1));
-                               io.texture("surface.normal").clear({.6, 0, .8, 0});
-                             }};
-  });
-  for (const char* reconstruction : {"linear", "non-negative"}) {
-    const auto renderer = make(R"({"passes": {
-      "source": {"type": "Source"}, "plane": {"type": "Plane"},
-      "bounce": {"type": "GatherVolume", "in": {"surface": "plane.surface", "volume": "source.flux"},
-                 "params": {"reconstruction": ")" +
-                               std::string(reconstruction) + R"("}}},
-      "outputs": {"image": "bounce.irradiance"}})");
-    frame(*renderer);
-    EXPECT_NEAR(uniform_value(*renderer), pi * radiance, 1e-5 * pi * radiance) << reconstruction;
+/// The propagation in 64 bits, written down cell by cell: what is on its way, and what has left over the border.
+class Walk {
+ public:
+  explicit Walk(const Field& field) : n_(field.n), front_(field.red.size()) {
+    for (std::size_t i = 0; i < front_.size(); ++i) front_[i] = glm::dvec4(field.red[i]);
   }
-}
-
-// Injection is only a change of representation: the grid holds the flux that the maps hold.
-TEST_F(LpvTest, InjectionKeepsTheFluxOfTheMaps) {
-  const auto maps = test::render_text(LOOM_SOURCE_DIR "/pipelines/lpv.json", "", {32, 32},
-                                      {.output = "rsm.lights.flux", .overrides = {{"rsm", "size", "64"}}});
-  double emitted = 0;
-  for (const glm::vec4& texel : maps.texels) emitted += texel.r;
-  for (const int cells : {8, 24}) {
-    const auto grid = test::render_text(
-        LOOM_SOURCE_DIR "/pipelines/lpv.json", "", {32, 32},
-        {.output = "inject.flux.red", .overrides = {{"rsm", "size", "64"}, {"inject", "grid", std::to_string(cells)}}});
-    double injected = 0;
-    for (const glm::vec4& texel : grid.texels) injected += 2 * std::sqrt(pi) * texel.x;
-    EXPECT_NEAR(injected, emitted, 1e-4 * emitted) << cells;
+  void step() {
+    std::vector<glm::dvec4> next(front_.size());
+    for (int z = 0; z < n_; ++z)
+      for (int y = 0; y < n_; ++y)
+        for (int x = 0; x < n_; ++x) send({x, y, z}, next);
+    front_ = next;
   }
-}
+  [[nodiscard]] const std::vector<glm::dvec4>& front() const { return front_; }
+  [[nodiscard]] double flux() const {
+    double sum = 0;
+    for (const glm::dvec4& c : front_) sum += 2 * std::sqrt(pi) * c.x;
+    return sum;
+  }
+  [[nodiscard]] double left() const { return left_; }
 
-// Blockers are shares of a face; the floor under the light, which lies across the grid, is closed.
-TEST_F(LpvTest, BlockersAreSharesOfAFaceAndALitFloorIsClosed) {
-  constexpr int n = 12;
-  const auto occupancy = test::render_text(
-      LOOM_SOURCE_DIR "/pipelines/lpv.json", "", {256, 256},
-      {.output = "inject.blockers.occupancy", .overrides = {{"rsm", "size", "128"}, {"inject", "grid", "12"}}});
-  ASSERT_EQ(occupancy.texels.size(), static_cast<std::size_t>(n * n * n));
-  double most = 0;
-  for (const glm::vec4& texel : occupancy.texels) {
-    for (int axis = 0; axis < 3; ++axis) {
-      EXPECT_GE(texel[axis], 0);
-      EXPECT_LE(texel[axis], 1);
-      most = std::max<double>(most, texel[axis]);
+ private:
+  [[nodiscard]] std::size_t at(glm::ivec3 p) const { return static_cast<std::size_t>(p.x + n_ * (p.y + n_ * p.z)); }
+
+  void send(glm::ivec3 cell, std::vector<glm::dvec4>& next) {
+    const glm::dvec4 c = front_[at(cell)];
+    struct Beam {
+      glm::ivec3 to;
+      glm::dvec3 face;
+      double flux;
+    };
+    std::vector<Beam> beams;
+    double total = 0, clamped = 0;
+    for (int i = 0; i < 6; ++i) {
+      glm::ivec3 d(0);
+      d[i / 2] = i % 2 == 0 ? 1 : -1;
+      for (int j = 0; j < 6; ++j) {
+        glm::ivec3 f(0);
+        f[j / 2] = j % 2 == 0 ? 1 : -1;
+        if (f == -d) continue;
+        const glm::dvec3 w = glm::normalize(glm::dvec3(d) + .5 * glm::dvec3(f));
+        const double omega = f == d ? .4006696847 : .4234313544;
+        const double y0 = .5 / std::sqrt(pi), y1 = std::sqrt(.75 / pi);
+        const double flux = omega * (y0 * c.x + y1 * (c.y * w.y + c.z * w.z + c.w * w.x));
+        total += flux;
+        clamped += std::max(0., flux);
+        beams.push_back({cell + d, glm::dvec3(f), std::max(0., flux)});
+      }
+    }
+    for (const Beam& beam : beams) {
+      const double flux = clamped > 0 ? std::max(0., total) * beam.flux / clamped : 0;
+      if (glm::any(glm::lessThan(beam.to, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(beam.to, glm::ivec3(n_)))) {
+        left_ += flux;
+      } else {
+        next[at(beam.to)] += flux * glm::dvec4(unit_lobe(glm::vec3(beam.face)));
+      }
     }
   }
-  EXPECT_GT(most, .98);
+
+  int n_;
+  std::vector<glm::dvec4> front_;
+  double left_ = 0;
+};
+
+// Flux in = flux on its way + flux that left over the border, at any number of steps.
+TEST_F(LpvTest, FluxInIsFluxKeptPlusFluxOverTheBorder) {
+  Field field(8);
+  field.red[field.at(4, 3, 4)] = unit_lobe(glm::normalize(glm::vec3(.3F, -.5F, .8F)));
+  add_source(field);
+  Walk walk(field);
+  std::vector<glm::dvec4> sum = walk.front();
+  for (int steps = 1; steps <= 256; ++steps) {
+    walk.step();
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += walk.front()[i];
+    if ((steps & (steps - 1)) != 0) continue;
+    const double kept = total(field, propagate(false, steps)) - total(field, propagate(false, steps - 1));
+    EXPECT_NEAR(kept + walk.left(), 1, 1e-3) << steps;
+    const auto cells = propagate(false, steps);
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      ASSERT_NEAR(cells[i].x, sum[i].x, 1e-4 * sum[i].x + 1e-6) << steps;
+    }
+  }
+}
+
+/// A cell of light among walls of every share and albedo.
+Field rubble(int n, int cascades = 1) {
+  Field field(n, cascades);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (std::size_t i = 0; i < field.red.size(); ++i) {
+    if (unit(random) < .1F) field.red[i] = unit(random) * unit_lobe(glm::normalize(glm::vec3(unit(random), -.5F, .3F)));
+    if (unit(random) < .5F) field.occupancy[i] = {unit(random), unit(random), unit(random), 0};
+    field.directional[i] = .5F * unit(random) * unit_lobe({0, 1, 0});
+  }
+  for (glm::vec4& albedo : field.albedo) albedo = {unit(random), unit(random), unit(random), 1};
+  return field;
+}
+
+// One arithmetic in two shader stages; blending adds as the other stage does.
+TEST_F(LpvTest, LayeredFragmentsAgreeWithComputeBitForBit) {
+  const Field field = rubble(7, 2);
+  add_source(field);
+  for (const std::string shares : {"faces", "sh"}) {
+    const std::string blockers = R"(, "blockers": ")" + shares + '"';
+    for (const int iterations : {0, 1, 6}) {
+      for (const bool walls : {false, true}) {
+        const auto compute = propagate(walls, iterations, 3, blockers);
+        const auto fragment = propagate(walls, iterations, 3, blockers + R"(, "method": "fragment")");
+        EXPECT_GT(total(field, compute), 0);
+        ASSERT_EQ(compute, fragment) << iterations << walls << shares;
+      }
+    }
+  }
+}
+
+TEST_F(LpvTest, TwiceTheLightIsTwiceTheResult) {
+  Field field = rubble(8);
+  add_source(field);
+  const auto once = propagate(true, 8, 3);
+  for (glm::vec4& c : field.red) c *= 2;
+  const auto twice = propagate(true, 8, 3);
+  for (std::size_t i = 0; i < once.size(); ++i) ASSERT_EQ(2.F * once[i], twice[i]);
+}
+
+// Linear but for the clamp and its rescaling: what two sources give together differs from their sum by what the clamp
+// gives each, which cancels where they meet. 3 % of the light here.
+TEST_F(LpvTest, TwoSourcesAreTheirSumButForTheClamp) {
+  Field field = rubble(8);
+  add_source(field);
+  const std::vector<glm::vec4> both = field.red;
+  const auto together = propagate(true, 8, 3);
+  std::vector<glm::vec4> sum(both.size());
+  for (std::size_t part = 0; part < 2; ++part) {
+    for (std::size_t i = 0; i < both.size(); ++i) field.red[i] = i % 2 == part ? both[i] : glm::vec4(0);
+    const auto alone = propagate(true, 8, 3);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += alone[i];
+  }
+  EXPECT_NEAR(total(field, sum) / total(field, together), 1, .03);
+}
+
+// Each cascade is a grid of its own.
+TEST_F(LpvTest, CascadesDoNotMix) {
+  Field field(6, 2);
+  field.red[field.at(3, 3, 5)] = unit_lobe({0, 0, 1});  // at the slab's end, sent towards the next
+  add_source(field);
+  const auto cells = propagate(false, 4);
+  for (std::size_t i = cells.size() / 2; i < cells.size(); ++i) ASSERT_EQ(cells[i], glm::vec4(0));
+  EXPECT_GT(total(field, cells), 1);
 }
 
 }  // namespace
-}  // namespace loom
+}  // namespace loom::test

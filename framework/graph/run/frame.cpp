@@ -211,31 +211,55 @@ void FrameRunner::begin_raster(const Bindings& bindings) {
   bind_targets(ours(bindings), all_targets(ours(bindings)), true);
 }
 
-void FrameRunner::begin_raster(const Bindings& bindings, std::span<const std::string_view> members) {
-  const PassBindings& b = ours(bindings);
+FrameRunner::Targets FrameRunner::named_targets(const PassBindings& bindings,
+                                                std::span<const std::string_view> members) {
   Targets targets;
   for (const std::string_view path : members) {
-    const BoundMember& member = b.member(path);
+    const BoundMember& member = bindings.member(path);
     const auto owns = [&](const BoundPort& port) {
       return std::any_of(port.members.begin(), port.members.end(), [&](const auto& m) { return &m == &member; });
     };
-    const auto port = std::find_if(b.pass().bound.begin(), b.pass().bound.end(), owns);
-    add_target(targets, b.pass(), *port, member);
+    const auto port = std::find_if(bindings.pass().bound.begin(), bindings.pass().bound.end(), owns);
+    add_target(targets, bindings.pass(), *port, member);
   }
-  bind_targets(b, targets, true);
+  return targets;
 }
 
-void FrameRunner::fullscreen(const Program& program, const Bindings& bindings) {
+void FrameRunner::begin_raster(const Bindings& bindings, std::span<const std::string_view> members) {
+  bind_targets(ours(bindings), named_targets(ours(bindings), members), true);
+}
+
+void FrameRunner::continue_raster(const Bindings& bindings, std::span<const std::string_view> members) {
+  bind_targets(ours(bindings), named_targets(ours(bindings), members), false);
+}
+
+void FrameRunner::blend(int index, Blend mode) {
+  const auto target = static_cast<GLuint>(index);
+  if (mode == Blend::replace) return glDisablei(GL_BLEND, target);
+  glEnablei(GL_BLEND, target);
+  glBlendFunci(target, GL_ONE, GL_ONE);
+}
+
+template <class Draw>
+void FrameRunner::draw_undepthed(const Program& program, const PassBindings& bindings, Draw draw) {
   if (!has_target_) {
-    Targets targets = all_targets(ours(bindings));
+    Targets targets = all_targets(bindings);
     targets.depth = {};
-    bind_targets(ours(bindings), targets, false);
+    bind_targets(bindings, targets, false);
   }
   bind(program, bindings);
   glBindVertexArray(no_vertices_.name());
   if (target_depth_) glDisable(GL_DEPTH_TEST);
-  glDrawArraysInstanced(GL_TRIANGLES, 0, 3, target_layers_);
+  draw();
   if (target_depth_) glEnable(GL_DEPTH_TEST);
+}
+
+void FrameRunner::fullscreen(const Program& program, const Bindings& bindings) {
+  draw_undepthed(program, ours(bindings), [&] { glDrawArraysInstanced(GL_TRIANGLES, 0, 3, target_layers_); });
+}
+
+void FrameRunner::points(const Program& program, const Bindings& bindings, int count) {
+  draw_undepthed(program, ours(bindings), [&] { glDrawArrays(GL_POINTS, 0, std::max(count, 0)); });
 }
 
 void FrameRunner::barrier() {

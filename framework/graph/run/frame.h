@@ -63,6 +63,9 @@ class FrameRunner final : public Frame {
   void fullscreen(const Program& program, const Bindings& bindings) override;
   void begin_raster(const Bindings& bindings) override;
   void begin_raster(const Bindings& bindings, std::span<const std::string_view> members) override;
+  void continue_raster(const Bindings& bindings, std::span<const std::string_view> members) override;
+  void blend(int index, Blend mode) override;
+  void points(const Program& program, const Bindings& bindings, int count) override;
   void barrier() override;
 
  private:
@@ -79,6 +82,10 @@ class FrameRunner final : public Frame {
   [[nodiscard]] Targets all_targets(const PassBindings& bindings);
   /// The depth texture that stands in for a depth output nobody reads.
   const Texture* unread_depth(const CompiledPass& pass, const BoundPort& port, const BoundMember& member);
+  [[nodiscard]] Targets named_targets(const PassBindings& bindings, std::span<const std::string_view> members);
+  /// The target if there is none yet (all colour outputs), the program, and no depth test while `draw` draws.
+  template <class Draw>
+  void draw_undepthed(const Program& program, const PassBindings& bindings, Draw draw);
   void bind_targets(const PassBindings& bindings, const Targets& targets, bool clear);
   void bind_resources(const BindPlan& plan);
 

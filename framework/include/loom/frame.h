@@ -51,6 +51,9 @@ class LOOM_API Bindings {
   [[nodiscard]] virtual std::span<const std::byte> data_bytes(std::string_view port, std::size_t bytes) const = 0;
 };
 
+/// How a draw meets what a colour target holds.
+enum class Blend { replace, add };
+
 struct FrameInfo {
   std::uint64_t index = 0;  ///< counts rendered frames since the graph was reset
   double time_s = 0;
@@ -92,6 +95,12 @@ class LOOM_API Frame {
   virtual void begin_raster(const Bindings& bindings) = 0;
   /// begin_raster() over the named members alone ("lights.flux", "scratch.depth"); for a pass with several targets.
   virtual void begin_raster(const Bindings& bindings, std::span<const std::string_view> members) = 0;
+  /// The same without clearing: what the targets hold stays, for sums over several draws.
+  virtual void continue_raster(const Bindings& bindings, std::span<const std::string_view> members) = 0;
+  /// For colour target `index` of the raster, until the pass ends.
+  virtual void blend(int index, Blend mode) = 0;
+  /// bind(), then `count` points without attributes (gl_VertexID) into the target, without depth test.
+  virtual void points(const Program& program, const Bindings& bindings, int count) = 0;
   /// Orders memory between two dispatches inside one pass.
   virtual void barrier() = 0;
 };

@@ -1,0 +1,20 @@
+// Fixed-point units a W/sr for what emission reflects: the sum of all its flux, in one coefficient (at most 1.0234/π of
+// a flux), stays below 2³⁰. One work group adds in a fixed order.
+#include "inject/hit.glsl"
+layout(local_size_x = 256) in;
+
+layout(std430) readonly buffer persistent_emission { EmissionHit emission[]; };
+layout(std430) writeonly buffer scratch_scale { float flux_scale; };
+shared float partial[256];
+
+void main() {
+  int self = int(gl_LocalInvocationID.x);
+  vec3 sum = vec3(0);
+  for (int i = self; i < emission.length(); i += 256) sum += emission[i].flux.rgb;
+  partial[self] = max(sum.r, max(sum.g, sum.b));
+  barrier();
+  if (self != 0) return;
+  float power = 0.;
+  for (int i = 0; i < 256; ++i) power += partial[i];
+  flux_scale = power > 0. ? 1073741824. / (power * (1.0234 / 3.14159265)) : 0.;
+}
