@@ -1,0 +1,115 @@
+// CPU time of voxelization by the number of triangles, and of marching by rays and by cells.
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "gpu/device.h"
+#include "graph/compile/compile.h"
+#include "graph/run/renderer.h"
+#include "loom/registry.h"
+#include "plugins/loader.h"
+#include "scene/gpu_scene.h"
+#include "scene/scene.h"
+#include "support/gl.h"
+#include "support/scene_builders.h"
+
+namespace {
+
+using namespace loom;
+
+/// A sphere of about 4·rings² triangles in a closed box, a light beside it.
+scene::Scene sphere_in_a_box(int rings) {
+  scene::Scene scene;
+  scene.materials = {test::diffuse(glm::vec3(.5F))};
+  test::add_box(scene, {-2, -2, -2}, {2, 2, 2}, 0, true);
+  test::add_sphere(scene, {0, 0, 0}, 1, rings, 0);
+  test::add_point_light(scene, {1.5, 1.5, 1.5}, glm::vec3(5));
+  test::finish(scene);
+  return scene;
+}
+
+struct Run {
+  Run(const std::string& text, const scene::Scene& made, glm::ivec2 size, std::vector<graph::Override> set, bool keep)
+      : scene(made), gpu_scene(scene::GpuScene::create(scene)) {
+    Diagnostics diagnostics;
+    plugins::load_plugins({.dirs = {LOOM_BINARY_DIR "/lib/loom/passes"}, .installed = false}, registry, diagnostics);
+    device = gpu::CachingDevice::create({.shader_roots = test::source_shader_roots(), .cache_dir = "-"});
+    auto compiled = graph::compile_text(text, "bench.json", registry, scene::compute_facts(scene),
+                                        {.frame_size = size, .overrides = std::move(set)});
+    if (!compiled.graph) throw Error(compiled.diagnostics);
+    renderer = graph::Renderer::create(std::move(*compiled.graph), *device, {.fingerprints = keep});
+    camera = scene::make_camera(test::look_at({1.7, 1.2, 1.5}, {0, 0, 0}), scene, size);
+    frame();
+  }
+  void frame() { renderer->render(*gpu_scene, camera, {.index = index++}); }
+
+  scene::Scene scene;
+  std::unique_ptr<scene::GpuScene> gpu_scene;
+  Registry registry;
+  std::unique_ptr<gpu::CachingDevice> device;
+  std::unique_ptr<graph::Renderer> renderer;
+  interop::Camera camera{};
+  std::uint64_t index = 0;
+};
+
+void measure(benchmark::State& state, Run& run) {
+  for (auto _ : state) {
+    const std::clock_t start = std::clock();
+    run.frame();
+    state.SetIterationTime(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  }
+}
+
+// Sheets alone, 32³: the light on them does not depend on the triangles.
+void voxelize(benchmark::State& state) {
+  const auto rings = static_cast<int>(state.range(0));
+  Run run(R"({ "passes": { "voxelize": { "type": "Voxelize", "params": { "grid": 32 } } },
+               "outputs": { "image": "voxelize.voxels.coverage" } })",
+          sphere_in_a_box(rings), {8, 8}, {}, false);
+  state.counters["triangles"] = static_cast<double>(4 * rings * (rings - 1) + 12);
+  measure(state, run);
+}
+
+// 128² pixels. Everything but the rays is kept from the first frame.
+void march(benchmark::State& state) {
+  Run run(R"({ "passes": {
+      "gbuffer": { "type": "GBuffer" },
+      "voxelize": { "type": "Voxelize" },
+      "march": { "type": "RayMarch", "in": { "surface": "gbuffer.surface", "voxels": "voxelize.voxels" } } },
+    "outputs": { "image": "march.irradiance" } })",
+          sphere_in_a_box(32), {128, 128},
+          {{"march", "rays", std::to_string(state.range(0))}, {"voxelize", "grid", std::to_string(state.range(1))}},
+          true);
+  state.counters["rays"] = static_cast<double>(128 * 128 * state.range(0));
+  measure(state, run);
+}
+
+BENCHMARK(voxelize)->Arg(32)->Arg(64)->Arg(128)->Arg(256)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(march)
+    ->Args({4, 32})
+    ->Args({16, 32})
+    ->Args({64, 32})
+    ->Args({16, 16})
+    ->Args({16, 64})
+    ->Args({16, 128})
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string why;
+  if (!test::shared_context(why)) return std::fprintf(stderr, "%s\n", why.c_str()), 1;
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}
