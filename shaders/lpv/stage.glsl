@@ -41,7 +41,8 @@ vec4 reflected(ivec3 texel, Sent sent) {
 vec4 behind(ivec3 cell, int slab, ivec3 towards) {
   ivec3 at = cell - towards;
   bool inside = all(greaterThanEqual(at, ivec3(0))) && all(lessThan(at, grid.cells.xyz));
-  return inside ? texelFetch(FROM, at + ivec3(0, 0, slab), 0) : vec4(0);
+  vec4 state = texelFetch(FROM, clamp(at, ivec3(0), grid.cells.xyz - 1) + ivec3(0, 0, slab), 0);
+  return inside ? state : vec4(0);
 }
 
 // All that the six neighbours send, as lobes about the normals of the faces that they send it through.

@@ -1,4 +1,4 @@
-// The propagation state. A cell of intensity I(ω) = m + ⟨v,ω⟩ [W/sr per steradian direction ω] is one vec4 (m, v) a
+// The propagation state. A cell of intensity I(ω) = m + ⟨v,ω⟩ [W/sr] is one vec4 (m, v) a
 // channel; red, green and blue lie one behind the other in the slices of a volume. In these terms the lobe Φ/π·⟨n,ω⟩₊
 // of two SH bands is m = Φ/4π, v = Φ·n/2π, and all that a cell sends is 4π·m.
 #include "interop/grid.h"

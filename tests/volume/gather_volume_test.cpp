@@ -22,7 +22,7 @@ glm::vec4 uniform(double radiance, double s) {
 
 class GatherVolumeTest : public LpvTest {
  protected:
-  /// A surface in the plane z = `z`, 2·half wide about (x, y), seen straight on by every pixel.
+  /// A surface across z, 2·half wide about `centre`, seen straight on by every pixel.
   void add_plane(glm::vec3 centre, float half, glm::vec3 normal) {
     add_pass(registry_, "Plane", [=] {
       return PassFunctions{.reflect =
