@@ -129,7 +129,7 @@ class RayMarch final : public Pass {
 
   void build_pyramid(Frame& frame, const Bindings& bindings) const {
     const glm::ivec3 cells(bindings.data<interop::Grid>("voxels").cells);
-    frame.dispatch(*base_, bindings, {cells.x, cells.y, 6 * cells.z});
+    frame.dispatch(*base_, bindings, {bindings.texture("scratch.pyramid").desc().width, cells.y, 6 * cells.z});
     frame.barrier();
     for (int level = 1; level < levels_; ++level) {
       const glm::ivec3 coarse = level_cells(cells, level);

@@ -9,7 +9,11 @@ layout(rgba16f) uniform writeonly image3D scratch_pyramid;
 
 void main() {
   ivec3 id = ivec3(gl_GlobalInvocationID);
-  if (any(greaterThanEqual(id, grid.cells.xyz * ivec3(1, 1, 6)))) return;
+  if (any(greaterThanEqual(id, imageSize(scratch_pyramid)))) return;
+  if (id.x >= grid.cells.x) {  // the coarser levels, and what lies between them: filtering reads it, with weight 0
+    imageStore(scratch_pyramid, id, vec4(0));
+    return;
+  }
   int slab = id.z / grid.cells.z, along = slab >> 1;
   ivec3 cell = ivec3(id.xy, id.z - slab * grid.cells.z);
   float towards = (slab & 1) == 0 ? 1. : -1.;

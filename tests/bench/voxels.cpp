@@ -17,6 +17,7 @@
 #include "loom/registry.h"
 #include "plugins/loader.h"
 #include "scene/gpu_scene.h"
+#include "scene/load.h"
 #include "scene/scene.h"
 #include "support/gl.h"
 #include "support/scene_builders.h"
