@@ -79,7 +79,7 @@ class Denoise final : public Pass {
   }
 
  private:
-  int iterations_ = 4;
+  int iterations_ = 3;
   float plane_sigma_ = 1;
   float normal_exponent_ = 64;
   bool normal_maps_ = false;
