@@ -81,8 +81,12 @@ TEST_P(Pipelines, AStillSceneKeepsWhatItHas) {
   EXPECT_TRUE(bench_->renderer().kept_passes().empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, Pipelines, ::testing::Values("direct", "area", "rsm", "gbuffer"),
-                         [](const auto& parameter) { return parameter.param; });
+INSTANTIATE_TEST_SUITE_P(Shipped, Pipelines, ::testing::Values("direct", "area", "rsm", "rsm-denoised", "gbuffer"),
+                         [](const auto& parameter) {
+                           std::string name = parameter.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace loom::test
