@@ -138,6 +138,44 @@ TEST_F(AccumulateTest, TheMeanStaysWithItsPlaceWhileTheCameraMoves) {
   EXPECT_LT(error, .005);
 }
 
+// An orthographic camera that moves by whole pixels reads whole texels: what is carried along is exact.
+TEST_F(AccumulateTest, AnOrthographicCameraIsFollowedToo) {
+  Bench bench(*device_, plane());
+  scene::Camera camera{.eye = {0, 10, 0}, .target = {0, 0, 0}, .up = {0, 0, -1}};
+  camera.orthographic = true;
+  camera.xmag = camera.ymag = 1;
+  camera.znear = .01;
+  for (int frame = 0; frame < 8; ++frame) {
+    bench.look(camera);
+    frame == 0 ? bench.render(accumulate("vec3(30. + x)", ""), options(32)) : bench.next_frame();
+    camera.eye.x = camera.target.x = (frame + 1) * 2. / 32;
+  }
+  const Texels image = bench.read("image"), source = bench.read("source"), length = bench.read("length");
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      // One column of new floor comes in from the right with each frame.
+      ASSERT_NEAR(length.at(x, y).x, std::min(8, 32 - x), 1e-3) << x << ' ' << y;
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(image.at(x, y)[c], source.at(x, y)[c], 1e-4) << x << ' ' << y;
+    }
+  }
+}
+
+TEST_F(AccumulateTest, PoisonAndSharedStorageChangeNothing) {
+  Bench bench(*device_, block());
+  fly(bench, 0, 0);
+  const auto after = [&](bool alias, bool poison) {
+    BenchOptions how = options(32);
+    how.frames = 4;
+    how.alias = alias;
+    how.poison = poison;
+    bench.render(accumulate("uniform_noise", ""), how);
+    return bench.read("image");
+  };
+  const Texels once = after(true, false);
+  EXPECT_TRUE(after(false, false) == once);
+  EXPECT_TRUE(after(true, true) == once);
+}
+
 // Samples of one pixel are of one surface: the mean goes on, and with it the mean over the pixel's area.
 TEST_F(AccumulateTest, SubPixelShiftsDoNotMoveIt) {
   Bench bench(*device_, plane());
