@@ -11,11 +11,11 @@
 // saw the surface point x: at the pixel plus (s' − s)·size/2, s and s' the image-plane coordinates of x in both cameras
 // without their sub-pixel shifts. So a camera at rest reads its own texel, to the bit, and under `--samples` the mean
 // is over the pixel's area. Otherwise it is the bilinear mean over those of the four texels that show the same surface:
-// normals within `normal_angle`, and neither point farther from the other's tangent plane than `plane_distance` pixel
-// footprints. Where none is left (disocclusion, image border, reset) N begins with 1. That is the bound on ghosts:
-// nothing crosses from one surface to another beyond these tolerances. Repeated bilinear reads blur along the surface:
-// a step of them has a variance of ¼ pixel² at most in each direction, and the frames of the mean are M − 1 steps old
-// on average at most, so that it is √M/2 pixels at worst.
+// shading normals within `normal_angle`, and neither point farther from the plane of the other's triangle than
+// `plane_distance` pixel footprints. Where none is left (disocclusion, image border, reset) N begins with 1. That is
+// the bound on ghosts: nothing crosses from one surface to another beyond these tolerances. Repeated bilinear reads
+// blur along the surface: a step of them has a variance of ¼ pixel² at most in each direction, and the frames of the
+// mean are M − 1 steps old on average at most, so that it is √M/2 pixels at worst.
 //
 // Only the camera is followed. Objects that move are rejected where they leave their plane; light that changes over a
 // surface at rest follows with the age of the mean, max_history frames at most.
@@ -42,23 +42,17 @@ class Accumulate final : public Pass {
             .max = 100,
             .unit = "pixel footprints",
             .scale = Scale::log,
-            .doc = "how far the last frame's point may lie from the tangent plane"});
+            .doc = "how far the last frame's point may lie from the surface's plane"});
     p.real("normal_angle", normal_angle_,
            {.min = 0, .max = 180, .unit = "degrees", .doc = "how far the last frame's normal may be turned"});
   }
 
-  void reflect(Ports& ports, const SceneFacts& facts) override {
+  void reflect(Ports& ports, const SceneFacts&) override {
     const auto noisy = ports.in("noisy", "Irradiance").reads("irradiance");
-    auto surface = ports.in("surface", "Surface").reads("depth").reads("normal");
+    const auto surface = ports.in("surface", "Surface").reads("depth").reads("normal").reads("geometric_normal");
     ports.in("last", "Irradiance").reads("irradiance");
     ports.in("last_length", "Image").reads("image");
-    auto last_surface = ports.in("last_surface", "Surface").reads("depth").reads("normal");
-    // A normal map turns the shading normal away from the surface, not the surface itself.
-    normal_maps_ = facts.normal_maps;
-    if (normal_maps_) {
-      surface.reads("geometric_normal");
-      last_surface.reads("geometric_normal");
-    }
+    ports.in("last_surface", "Surface").reads("depth").reads("normal").reads("geometric_normal");
     auto irradiance = ports.out("irradiance", "Irradiance");
     auto length = ports.out("length", "Image");
     if (noisy.absent() || surface.absent()) {
@@ -74,8 +68,7 @@ class Accumulate final : public Pass {
   }
 
   void prepare(Device& device, const Bindings&) override {
-    program_ = device.program(
-        {.files = {"accumulate/accumulate.comp"}, .defines = {{"NORMAL_MAPS", normal_maps_ ? "1" : "0"}}});
+    program_ = device.program({.files = {"accumulate/accumulate.comp"}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -87,7 +80,6 @@ class Accumulate final : public Pass {
   int max_history_ = 64;
   float plane_distance_ = 1;
   float normal_angle_ = 25;
-  bool normal_maps_ = false;
   std::shared_ptr<const Program> program_;
 };
 

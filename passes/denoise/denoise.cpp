@@ -39,12 +39,9 @@ class Denoise final : public Pass {
            {.min = 0, .max = 1024, .doc = "k: weight of a pixel whose normal is turned by θ is cosᵏθ"});
   }
 
-  void reflect(Ports& ports, const SceneFacts& facts) override {
+  void reflect(Ports& ports, const SceneFacts&) override {
     const auto noisy = ports.in("noisy", "Irradiance").reads("irradiance");
-    auto surface = ports.in("surface", "Surface").reads("depth").reads("normal");
-    // A normal map turns the shading normal away from the surface, not the surface itself.
-    normal_maps_ = facts.normal_maps;
-    if (normal_maps_) surface.reads("geometric_normal");
+    const auto surface = ports.in("surface", "Surface").reads("depth").reads("normal").reads("geometric_normal");
     auto irradiance = ports.out("irradiance", "Irradiance");
     if (noisy.absent()) return irradiance.absent(noisy.why_absent());
     if (surface.absent()) return irradiance.absent(surface.why_absent());
@@ -59,9 +56,7 @@ class Denoise final : public Pass {
   void prepare(Device& device, const Bindings&) override {
     const auto program = [&](bool first, bool last) {
       return device.program(
-          {.files = {"denoise/denoise.comp"},
-           .defines = {
-               {"FIRST", first ? "1" : "0"}, {"LAST", last ? "1" : "0"}, {"NORMAL_MAPS", normal_maps_ ? "1" : "0"}}});
+          {.files = {"denoise/denoise.comp"}, .defines = {{"FIRST", first ? "1" : "0"}, {"LAST", last ? "1" : "0"}}});
     };
     first_ = program(true, iterations_ == 1);
     if (iterations_ > 1) last_ = program(false, true);
@@ -82,7 +77,6 @@ class Denoise final : public Pass {
   int iterations_ = 3;
   float plane_sigma_ = 1;
   float normal_exponent_ = 64;
-  bool normal_maps_ = false;
   std::shared_ptr<const Program> first_, between_, last_;
 };
 

@@ -10,10 +10,8 @@ uniform sampler2D last_irradiance;
 uniform sampler2D last_length_image;
 uniform sampler2D last_surface_depth;
 uniform sampler2D last_surface_normal;
-#if NORMAL_MAPS
 uniform sampler2D surface_geometric_normal;
 uniform sampler2D last_surface_geometric_normal;
-#endif
 layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
 layout(r32f) writeonly uniform image2D length_image;
 uniform bool has_history;
@@ -54,11 +52,7 @@ History history_of(ivec2 pixel, float depth) {
   if (any(lessThan(at, vec2(-1))) || any(greaterThan(at, vec2(size)))) return none;
 
   vec3 normal = normalize_or(texelFetch(surface_normal, pixel, 0).xyz, vec3(0));
-#if NORMAL_MAPS
   vec3 plane = normalize_or(texelFetch(surface_geometric_normal, pixel, 0).xyz, vec3(0));
-#else
-  vec3 plane = normal;
-#endif
   float least_cosine = cos(radians(normal_angle));
   float footprint = pixel_footprint(camera, pixel_uv(camera, pixel), depth);
   ivec2 corner = ivec2(floor(at));
@@ -74,15 +68,11 @@ History history_of(ivec2 pixel, float depth) {
     float frames = texelFetch(last_length_image, tap, 0).r;
     if (!(tap_depth > 0.) || !(frames > 0.)) continue;
     vec3 tap_normal = normalize_or(texelFetch(last_surface_normal, tap, 0).xyz, vec3(0));
-#if NORMAL_MAPS
     vec3 tap_plane = normalize_or(texelFetch(last_surface_geometric_normal, tap, 0).xyz, vec3(0));
-#else
-    vec3 tap_plane = tap_normal;
-#endif
     vec3 apart = eye_offset(last_camera, tap, tap_depth) - between - offset;
     float width = min(footprint, pixel_footprint(last_camera, pixel_uv(last_camera, tap), tap_depth));
     if (dot(normal, tap_normal) < least_cosine) continue;
-    if (tangent_plane_distance(apart, plane, tap_plane) > plane_distance * width) continue;
+    if (mutual_plane_distance(apart, plane, tap_plane) > plane_distance * width) continue;
     sum.irradiance += weight * texelFetch(last_irradiance, tap, 0).rgb;
     sum.frames += weight * frames;
     weights += weight;

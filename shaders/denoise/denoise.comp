@@ -4,9 +4,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(std140) uniform surface_data { Camera camera; };
 uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
-#if NORMAL_MAPS
 uniform sampler2D surface_geometric_normal;
-#endif
 #if FIRST
 uniform sampler2D noisy_irradiance;
 #endif
@@ -40,7 +38,7 @@ void store(ivec2 pixel, vec3 irradiance) {
 struct Point {
   vec3 offset;  // world position less the eye
   vec3 normal;  // shading
-  vec3 plane;   // normal of the surface itself
+  vec3 plane;   // normal of the triangle
   float footprint;
 };
 
@@ -50,11 +48,7 @@ Point point_at(ivec2 pixel, float depth) {
   point.footprint = pixel_footprint(camera, uv, depth);
   point.offset = ray_origin(camera, uv) - camera.eye.xyz + depth * ray_direction(camera, uv);
   point.normal = normalize_or(texelFetch(surface_normal, pixel, 0).xyz, vec3(0));
-#if NORMAL_MAPS
   point.plane = normalize_or(texelFetch(surface_geometric_normal, pixel, 0).xyz, vec3(0));
-#else
-  point.plane = point.normal;
-#endif
   return point;
 }
 
@@ -83,7 +77,7 @@ void main() {
       if (!(tap_depth > 0.) || !is_finite(value)) continue;
       Point q = point_at(tap, tap_depth);
       float cosine = clamp(dot(p.normal, q.normal), 0., 1.);
-      float d = tangent_plane_distance(q.offset - p.offset, p.plane, q.plane);
+      float d = mutual_plane_distance(q.offset - p.offset, p.plane, q.plane);
       d /= plane_sigma * min(p.footprint, q.footprint);
       float weight = spline[abs(x)] * spline[abs(y)] * exp(-.5 * d * d);
       // pow(0, 0) is undefined: with k = 0 the normals do not count.

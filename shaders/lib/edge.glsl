@@ -1,4 +1,4 @@
-// What tells surfaces apart in an image filter: distance from a tangent plane, in the width of a pixel there.
+// What tells surfaces apart in an image filter: distance from a plane, in the width of a pixel there.
 #ifndef LOOM_LIB_EDGE_GLSL
 #define LOOM_LIB_EDGE_GLSL
 #include "lib/camera.glsl"
@@ -10,9 +10,9 @@ float pixel_footprint(Camera camera, vec2 uv, float depth) {
   return 2. * length(camera.right.xyz) * camera.size.z * along;
 }
 
-// The greater of the distances of two surface points from each other's tangent plane; `between` leads from one to the
+// The greater of the distances of two surface points from each other's plane; `between` leads from one to the
 // other.
-float tangent_plane_distance(vec3 between, vec3 normal_a, vec3 normal_b) {
+float mutual_plane_distance(vec3 between, vec3 normal_a, vec3 normal_b) {
   return max(abs(dot(between, normal_a)), abs(dot(between, normal_b)));
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -115,6 +116,18 @@ TEST_F(DenoiseTest, ASlopeIsNoEdge) {
   const Texels filtered = smooth(bench, "vec3(pixel == ivec2(32, 32) ? 1 : 0)", 1);
   EXPECT_NEAR(filtered.at(32, 32).x, 9. / 64, 1e-3);
   EXPECT_NEAR(filtered.at(32, 34).x, 3. / 8 / 16, 1e-3);
+}
+
+// Interpolated normals lean away from the triangle: with k = 0 they do not count, and the triangle is one plane.
+TEST_F(DenoiseTest, PlanesAreThoseOfTheTriangles) {
+  scene::Scene scene = plane();
+  for (scene::Mesh& mesh : scene.meshes)
+    for (glm::vec3& normal : mesh.primitives.front().normals) normal = glm::normalize(glm::vec3(1, 1, 0));
+  Bench bench(*device_, std::move(scene));
+  bench.look_down(1);
+  const Texels filtered =
+      smooth(bench, "vec3(pixel == ivec2(32, 32) ? 1 : 0)", 1, 64, R"(, "normal_exponent": 0, "plane_sigma": 0.01)");
+  EXPECT_NEAR(filtered.at(34, 32).x, 3. / 8 / 16, 1e-6);
 }
 
 TEST_F(DenoiseTest, WhatIsNotFiniteIsFilledFromItsNeighbours) {
