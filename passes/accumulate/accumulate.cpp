@@ -17,8 +17,8 @@
 // blur along the surface: a step of them has a variance of ¼ pixel² at most in each direction, and the frames of the
 // mean are M − 1 steps old on average at most, so that it is √M/2 pixels at worst.
 //
-// Only the camera is followed. Objects that move are rejected where they leave their plane; light that changes over a
-// surface at rest follows with the age of the mean, max_history frames at most.
+// Only the camera is followed. Objects that move are rejected where they leave their plane; where light changes on a
+// surface at rest, a share of (1 − 1/N) of the old value is left after each frame.
 #include <memory>
 #include <string>
 

@@ -4,10 +4,10 @@
 //
 //   E'(p) = Σ_q w(p,q)·E(q) / Σ_q w(p,q),    w = h(q−p) · ⟨n_p,n_q⟩₊^k · exp(−½(d/(σ·f))²),
 //
-// h the B3 spline (1 4 6 4 1)/16 in each direction, d the distance of either surface point from the other's tangent
-// plane and f the width of a pixel at p, so that the scene's unit, the image's size and the slope of the surface do not
-// matter. After n iterations 2(2ⁿ−1) pixels to each side take part. The weights do not look at E: the filter is linear,
-// and a constant stays what it is, to the bit.
+// h the B3 spline (1 4 6 4 1)/16 in each direction, n the shading normal, d the distance of either surface point from
+// the plane of the other's triangle and f the width of a pixel at the nearer of the two, so that the scene's unit, the
+// image's size and the slope of the surface do not matter. After n iterations 2(2ⁿ−1) pixels to each side take part.
+// The weights do not look at E: the filter is linear, and a constant stays what it is, to the bit.
 //
 // It trades noise for blur: what varies along a surface within its reach (contact shadows, colour that bleeds from an
 // edge) is smoothed too. Texels that are not finite count for nothing and are filled from their neighbours.
