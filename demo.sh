@@ -25,36 +25,10 @@ done
 
 # The error table: hdr and indirect against the path tracer, at a size that is quick to trace.
 table=demo-out/errors.md
-table_size=128x128
-step "tracing the reference" build/bin/loom reference -o demo-out/reference.exr --size "$table_size" \
-  --spp "${LOOM_DEMO_SPP:-512}" || failed=1
-value() { grep -oE "\"$1\": *[-+0-9.eE]+" | head -n 1 | sed 's/.*: *//'; }
-rows() {
-  echo "| pipeline | hdr relMSE | indirect relMSE | indirect mean ratio | frame, ms |"
-  echo "|---|---|---|---|---|"
-  local file name output json row
-  for file in pipelines/*.json; do
-    name=$(basename "$file" .json)
-    grep -q '"hdr":' "$file" && [ "$name" != reference ] || continue
-    row="| $name |"
-    for output in hdr indirect; do
-      build/bin/loom render -p "$file" --size "$table_size" --samples 4 --output "$output" \
-        -o "demo-out/$name.$output.exr" --stats "demo-out/$name.table.json" >&2 || return 1
-      json=$(build/bin/loom compare "demo-out/$name.$output.exr" demo-out/reference.exr --json) || return 1
-      row+=" $(printf '%.3g' "$(value relmse <<<"$json")") |"
-      if [ "$output" = hdr ]; then
-        frame=$(value wall_ms <"demo-out/$name.table.json")
-      else
-        row+=" $(printf '%.2f' "$(value mean_ratio <<<"$json")") | $(printf '%.3g' "$frame") |"
-      fi
-    done
-    echo "$row"
-  done
-  echo
-  echo "Built-in Cornell box, $table_size, 4 samples a pixel; reference: ${LOOM_DEMO_SPP:-512} paths a pixel; ms: median of a sub-frame."
-  echo "Device: $(grep -oE '"device": *"[^"]*"' demo-out/direct.table.json | sed 's/.*: *//')"
+write_table() {
+  configs/table.sh -o demo-out/table --scene cornell-box --size 128x128 --spp "${LOOM_DEMO_SPP:-512}" >"$table.new" &&
+    mv "$table.new" "$table"
 }
-write_table() { rows >"$table.new" && mv "$table.new" "$table"; }
 step "measuring errors" write_table || failed=1
 
 echo

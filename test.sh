@@ -19,6 +19,14 @@ install_packages test || exit 1
 
 failures=()
 passed=0 failed=0 skipped=0
+# failed_output LOG: what the failing tests in it said, 40 lines each of the first five. It is printed once more at the
+# end, where a log that was cut off at its beginning still has it.
+failed_output() {
+  awk '/^ *[0-9]+\/[0-9]+ Test +#/ { shown = /\*\*\*/ && !/\*\*\*Skipped/ && ++count <= 5; lines = 0 }
+       /^ +Start +[0-9]+:/ || /tests passed, / { shown = 0 }
+       shown && ++lines <= 40' "$1"
+}
+said=
 # run_tests FOLDER: the fast tests of that build; what passed, failed and was skipped is added up for the last line.
 run_tests() {
   local log
@@ -26,6 +34,7 @@ run_tests() {
     --no-tests=error ${LOOM_TESTS:+-R "$LOOM_TESTS"} || failures+=("tests in $1")
   log=$logs/$(printf '%s' "tests in $1" | tr -cs 'a-zA-Z0-9' '-').log
   local total broken left_out
+  said+=$(failed_output "$log")
   read -r broken total < <(sed -n 's/.*tests passed, \([0-9]*\) tests\{0,1\} failed out of \([0-9]*\).*/\1 \2/p' "$log")
   left_out=$(grep -c '(Skipped)$' "$log")
   failed=$((failed + ${broken:-0})) skipped=$((skipped + left_out))
@@ -55,6 +64,7 @@ fi
 
 echo
 if [ ${#failures[@]} -gt 0 ]; then
+  [ -n "$said" ] && printf '%s\n\n' "$said"
   printf 'failed: %s\n' "${failures[@]}"
 fi
 echo "$passed passed, $failed failed, $skipped skipped"

@@ -3,28 +3,13 @@
 #include <cstdio>
 
 namespace loom::cli {
-namespace {
-
-const char* name_of(Severity severity) {
-  switch (severity) {
-    case Severity::note:
-      return "note";
-    case Severity::warning:
-      return "warning";
-    case Severity::error:
-      break;
-  }
-  return "error";
-}
-
-}  // namespace
 
 Json versioned() { return {{"version", 1}}; }
 
 Json to_json(const Diagnostics& diagnostics) {
   Json list = Json::array();
   for (const Diagnostic& d : diagnostics.all()) {
-    list.push_back({{"severity", name_of(d.severity)},
+    list.push_back({{"severity", to_string(d.severity)},
                     {"code", d.code},
                     {"message", d.message},
                     {"file", d.where.file},

@@ -10,18 +10,6 @@
 namespace loom {
 namespace {
 
-std::string_view word(Severity severity) {
-  switch (severity) {
-    case Severity::note:
-      return "note";
-    case Severity::warning:
-      return "warning";
-    case Severity::error:
-      break;
-  }
-  return "error";
-}
-
 std::string summary(const Diagnostics& diagnostics) {
   std::string text;
   for (const auto& diagnostic : diagnostics.all()) {
@@ -59,6 +47,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+std::string_view to_string(Severity severity) {
+  switch (severity) {
+    case Severity::note:
+      return "note";
+    case Severity::warning:
+      return "warning";
+    case Severity::error:
+      break;
+  }
+  return "error";
+}
+
 std::string to_string(const Diagnostic& diagnostic) {
   std::string text;
   if (!diagnostic.where.file.empty()) {
@@ -69,7 +69,7 @@ std::string to_string(const Diagnostic& diagnostic) {
     }
     text += ' ';
   }
-  text += word(diagnostic.severity);
+  text += to_string(diagnostic.severity);
   text += '[' + diagnostic.code + "]: " + diagnostic.message;
   if (!diagnostic.hint.empty()) text += "\n  hint: " + diagnostic.hint;
   return text;

@@ -70,7 +70,8 @@ std::string shown(const json::Node& value) {
 
 template <class Target, class Options>
 ParamDecl declaration(ParamKind kind, std::string name, Target& target, Options options) {
-  ParamDecl decl{.name = std::move(name), .kind = kind, .target = &target, .default_value = target};
+  ParamDecl decl{.kind = kind, .target = &target, .default_value = target};
+  decl.name = std::move(name);
   decl.cost = options.cost;
   decl.doc = std::move(options.doc);
   if constexpr (requires { options.scale; }) {

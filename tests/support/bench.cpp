@@ -173,9 +173,20 @@ void Bench::render(const std::string& pipeline, const BenchOptions& options) {
   if (!result.graph) throw BadInput(result.diagnostics);
   renderer_ = graph::Renderer::create(std::move(*result.graph), device_,
                                       {.poison = options.poison, .fingerprints = options.prune});
-  block_ = scene::make_camera(camera_, scene_, options.size, options.jitter);
-  for (int i = 0; i < options.frames; ++i)
-    renderer_->render(*gpu_, block_, {.index = static_cast<std::uint64_t>(i), .seed = options.seed});
+  size_ = options.size;
+  seed_ = options.seed;
+  frame_ = 0;
+  for (int i = 0; i < options.frames; ++i) next_frame(options.jitter);
+}
+
+void Bench::next_frame(glm::dvec2 jitter) {
+  block_ = scene::make_camera(camera_, scene_, size_, jitter);
+  renderer_->render(*gpu_, block_, {.index = frame_++, .seed = seed_});
+}
+
+void Bench::reset() {
+  renderer_->reset();
+  frame_ = 0;
 }
 
 Texels Bench::image(const std::string& pipeline, const std::string& output, BenchOptions options) {

@@ -78,6 +78,10 @@ class Bench {
 
   /// `pipeline`: JSON, or the name of a file in pipelines/. Throws BadInput with all diagnostics.
   void render(const std::string& pipeline, const BenchOptions& options = {});
+  /// One more frame of the last render's pipeline, from where the camera looks now.
+  void next_frame(glm::dvec2 jitter = glm::dvec2(0));
+  /// Forgets history, as Session::reset() does; frames count from 0 again.
+  void reset();
   /// Renders and reads one output ("image", "pass.port.member").
   Texels image(const std::string& pipeline, const std::string& output, BenchOptions options = {});
   /// An output of the last render; throws where it is absent.
@@ -99,6 +103,9 @@ class Bench {
   interop::Camera block_{};
   std::unique_ptr<scene::GpuScene> gpu_;
   std::unique_ptr<graph::Renderer> renderer_;
+  glm::ivec2 size_{0};
+  std::uint64_t frame_ = 0;
+  std::uint32_t seed_ = 0;
 };
 
 /// All passes of this build. Loaded once.

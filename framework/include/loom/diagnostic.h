@@ -18,6 +18,7 @@ struct SourceLocation {
 };
 
 enum class Severity { note, warning, error };
+LOOM_API std::string_view to_string(Severity severity);
 
 /// One finding. `code` is stable kebab-case (`unknown-type`, `cycle`), `hint` says what to do.
 struct Diagnostic {
