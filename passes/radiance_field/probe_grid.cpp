@@ -25,7 +25,7 @@ loom::interop::ProbeGrid fit_probes(const loom::SceneFacts& facts, const GridOpt
   grid.counts.w = options.coefficients;
   // A receiver is at most a cell's diagonal away from a grid point, two where the search is wider.
   grid.spacing.w = static_cast<float>(2 * glm::length(glm::dvec3(grid.spacing)));
-  grid.maps.x = options.moments;
+  grid.weights = {static_cast<float>(options.moments), static_cast<float>(options.behind), 0, 0};
   return grid;
 }
 

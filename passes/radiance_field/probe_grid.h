@@ -9,7 +9,8 @@ struct GridOptions {
   int probes = 8;     ///< along the longest side of the scene's box
   double inset = .1;  ///< distance of the outermost probes from the box, in grid steps
   int coefficients = 9;
-  int moments = 8;  ///< side of a probe's octahedral map
+  int moments = 8;     ///< side of a probe's octahedral map
+  double behind = .2;  ///< weight of a probe behind the surface
 };
 
 /// A grid over the scene's box: nearly cubic steps, at least two probes along each axis.

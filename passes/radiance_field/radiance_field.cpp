@@ -78,6 +78,12 @@ class RadianceField final : public Pass {
                .scale = Scale::log,
                .cost = graph,
                .doc = "side of the octahedral map of distances by which a probe's visibility is judged"});
+    p.real("behind", behind_,
+           {.min = 0,
+            .max = 1,
+            .cost = graph,
+            .doc = "weight, before visibility, of a probe straight behind the surface that reads it; one straight in "
+                   "front has this and 1 more"});
     p.integer("emitter_rays", emitter_rays_,
               {.min = 1,
                .max = 256,
@@ -102,8 +108,9 @@ class RadianceField final : public Pass {
     if (lights.absent() && !emits) return field.absent("nothing shines: no light, no emitter, black sky");
     if (facts.triangles == 0) return field.absent("the scene has no triangle");
     const int bands = order_ + 1;
-    grid_ = field::fit_probes(facts,
-                              {.probes = probes_, .inset = inset_, .coefficients = bands * bands, .moments = moments_});
+    grid_ = field::fit_probes(
+        facts,
+        {.probes = probes_, .inset = inset_, .coefficients = bands * bands, .moments = moments_, .behind = behind_});
     if (!declare_storage(ports)) return;
     const glm::ivec3 counts(grid_.counts);
     field.texture("coefficients", TextureDesc::layers({counts.x * grid_.counts.w, counts.y}, counts.z, Format::rgba32f),
@@ -342,6 +349,7 @@ class RadianceField final : public Pass {
   int order_ = 2;
   int bounces_ = 6;
   int moments_ = 8;
+  float behind_ = .2f;
   int emitter_rays_ = 4;
   float inside_ = .25f;
   int budget_ = 0;

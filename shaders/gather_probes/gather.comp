@@ -16,7 +16,7 @@ layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
 
 vec4 probe_state(ivec3 probe) { return texelFetch(field_state, probe, 0); }
 vec2 probe_moments(ivec3 probe, ivec2 texel) {
-  return texelFetch(field_moments, ivec3(probe.xy * grid.maps.x + texel, probe.z), 0).rg;
+  return texelFetch(field_moments, ivec3(probe.xy * moments_size(grid) + texel, probe.z), 0).rg;
 }
 vec3 probe_coefficient(ivec3 probe, int i) {
   return texelFetch(field_coefficients, ivec3(probe.x * COEFFICIENTS + i, probe.yz), 0).rgb;

@@ -11,7 +11,7 @@ struct ProbeGrid {
   ivec4 counts;    // xyz: probes along each axis; w: coefficients of a probe, C
   vec4 lower;      // xyz: grid point of probe (0,0,0), world, metres
   vec4 spacing;    // xyz: metres; w: distances in `moments` are cut off here, metres
-  ivec4 maps;      // x: side of an octahedral map of moments, R
+  vec4 weights;    // x: side of an octahedral map of moments, R; y: weight of a probe behind the surface
 };
 LOOM_STRUCT_SIZE(ProbeGrid, 64);
 LOOM_INTEROP_END

@@ -1,8 +1,8 @@
 // Irradiance of a surface from the probes around it.
 //
-//   E(x, n) = Σ_p w_p E_p(n) / Σ_p w_p,   w_p = trilinear · (((1 + ⟨n_g,d⟩)/2)² + .2) · V,
+//   E(x, n) = Σ_p w_p E_p(n) / Σ_p w_p,   w_p = trilinear · (((1 + ⟨n_g,d⟩)/2)² + b) · V,
 //
-// d the direction from x to the probe. V is the chance that nothing stands between, from the mean μ and the mean square
+// d the direction from x to the probe, b a weight for probes behind the surface. V is the chance that nothing stands between, from the mean μ and the mean square
 // of the distance that the probe sees in the direction of x (Chebyshev's bound, cubed as in Majercik et al., "Dynamic
 // Diffuse Global Illumination with Ray-Traced Irradiance Fields", JCGT 8(2), 2019): 1 where |x − p| ≤ μ, else
 // (σ²/(σ² + (|x − p| − μ)²))³. A probe that is off weighs nothing.
@@ -21,12 +21,14 @@ vec3 probe_coefficient(ivec3 probe, int i);     // W/(m² sr)
 // Below this no digit of a normalised sum means anything.
 const float least_probe_weight = 1e-6;
 
+int moments_size(ProbeGrid grid) { return int(grid.weights.x); }
+
 vec3 probe_position(ProbeGrid grid, ivec3 probe, vec4 state) {
   return grid.lower.xyz + vec3(probe) * grid.spacing.xyz + state.xyz;
 }
 
 vec2 filtered_moments(ProbeGrid grid, ivec3 probe, vec3 direction) {
-  int size = grid.maps.x;
+  int size = moments_size(grid);
   vec2 at = .5 * (octahedral_encode(direction) + 1.) * float(size) - .5;
   ivec2 corner = ivec2(floor(at));
   vec2 f = at - vec2(corner), sum = vec2(0);
@@ -41,7 +43,7 @@ vec2 filtered_moments(ProbeGrid grid, ivec3 probe, vec3 direction) {
 // `path`: from the probe to the surface. The map cannot tell apart what lies within half of one of its texels (√4π/R
 // wide at distance 1), so that the surface is taken that far off along its normal: it must not shadow itself.
 float probe_visibility(ProbeGrid grid, ivec3 probe, vec3 path, vec3 n) {
-  vec3 lifted = path + n * (1.77245385 / float(grid.maps.x) * length(path));
+  vec3 lifted = path + n * (1.77245385 / grid.weights.x * length(path));
   float distance = length(lifted);
   if (distance <= 0.) return 1.;
   vec2 moments = filtered_moments(grid, probe, lifted / distance);
@@ -52,10 +54,10 @@ float probe_visibility(ProbeGrid grid, ivec3 probe, vec3 path, vec3 n) {
   return v * v * v;
 }
 
-float facing_weight(vec3 path, vec3 n) {
+float facing_weight(ProbeGrid grid, vec3 path, vec3 n) {
   float length2 = dot(path, path);
   float facing = length2 > 0. ? .5 - .5 * dot(path, n) * inversesqrt(length2) : 1.;
-  return facing * facing + .2;
+  return facing * facing + grid.weights.y;
 }
 
 vec3 probe_reading(ivec3 probe, float basis[COEFFICIENTS]) {
@@ -78,7 +80,7 @@ vec4 wider_search(ProbeGrid grid, ivec3 base, vec3 x, vec3 n, float basis[COEFFI
         if (state.w < .5) continue;
         vec3 path = x - probe_position(grid, probe, state);
         float step2 = dot(grid.spacing.xyz, grid.spacing.xyz);
-        float w = facing_weight(path, n) * probe_visibility(grid, probe, path, n) * step2 / (step2 + dot(path, path));
+        float w = facing_weight(grid, path, n) * probe_visibility(grid, probe, path, n) * step2 / (step2 + dot(path, path));
         if (w > least_probe_weight) sum += w * vec4(probe_reading(probe, basis), 1);
       }
     }
@@ -104,7 +106,7 @@ vec3 probe_irradiance(ProbeGrid grid, vec3 x, vec3 n, vec3 n_g) {
     vec4 state = probe_state(probe);
     if (state.w < .5) continue;
     vec3 path = x - probe_position(grid, probe, state);
-    float w = trilinear * facing_weight(path, n_g);
+    float w = trilinear * facing_weight(grid, path, n_g);
     vec4 reading = vec4(probe_reading(probe, basis), 1);
     all += w * reading;
     seen += w * probe_visibility(grid, probe, path, n_g) * reading;

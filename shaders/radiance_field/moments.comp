@@ -8,7 +8,7 @@ const int across = 4;  // directions along each side of a texel, denser than the
 
 void main() {
   int t = int(gl_GlobalInvocationID.x), slot = int(gl_GlobalInvocationID.y);
-  int size = grid.maps.x;
+  int size = int(grid.weights.x);
   if (t >= size * size || slot >= slot_count) return;
   vec2 sum = vec2(0);
   for (int j = 0; j < across * across; ++j) {

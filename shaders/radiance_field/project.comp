@@ -11,7 +11,8 @@ uniform int reflection;  // order, from 0
 
 vec4 probe_state(ivec3 probe) { return states[probe_index(probe)]; }
 vec2 probe_moments(ivec3 probe, ivec2 texel) {
-  return moments[(probe_index(probe) * grid.maps.x + texel.y) * grid.maps.x + texel.x];
+  int size = moments_size(grid);
+  return moments[(probe_index(probe) * size + texel.y) * size + texel.x];
 }
 vec3 probe_coefficient(ivec3 probe, int i) {
   return orders[((reflection - 1) * probe_count() + probe_index(probe)) * COEFFICIENTS + i].rgb;

@@ -15,7 +15,7 @@ layout(rgba32f) writeonly uniform image3D field_state;
 uniform int bounces;
 
 void main() {
-  int probe = int(gl_GlobalInvocationID.x), size = grid.maps.x;
+  int probe = int(gl_GlobalInvocationID.x), size = int(grid.weights.x);
   if (probe >= probe_count()) return;
   ivec3 at = probe_at(probe);
 #if STATE_OUT
