@@ -191,15 +191,13 @@ class RadianceField final : public Pass {
   }
 
   [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {
-    const std::uint64_t scene = versions(frame);
-    const std::uint64_t index = frame.info().index;
-    // Every order needs a round more than the one before.
-    const int rounds = (probe_count() + slots() - 1) / slots();
-    const bool settled =
-        scene == versions_ && index >= changed_at_ &&
-        index - changed_at_ >= static_cast<std::uint64_t>(rounds) * static_cast<std::uint64_t>(bounces_);
-    if (budget_ == 0 || settled) return scene;
-    return scene * 31 + index + 1;
+    const std::uint64_t scene = versions(frame), index = frame.info().index;
+    const bool known = scene == versions_ && index >= changed_at_;
+    // With a budget every frame differs from the last, until every order has had its round: each needs one more than
+    // the order before.
+    const auto rounds = static_cast<std::uint64_t>((probe_count() + slots() - 1) / slots());
+    const std::uint64_t frames = budget_ == 0 ? 1 : rounds * static_cast<std::uint64_t>(bounces_);
+    return scene * 31 + (known ? std::min(index - changed_at_, frames - 1) : 0);
   }
 
  private:
@@ -245,9 +243,10 @@ class RadianceField final : public Pass {
     return true;
   }
 
-  /// Both count changes of one scene, so that their pair names its state.
+  /// Both versions count changes of one scene, so that their pair names its state. The seed places the rays.
   static std::uint64_t versions(const Frame& frame) {
-    return frame.scene().geometry_version() * 0x9e3779b97f4a7c15u ^ frame.scene().lights_version();
+    const std::uint64_t lights = frame.scene().lights_version() ^ std::uint64_t{frame.info().seed} << 32;
+    return frame.scene().geometry_version() * 0x9e3779b97f4a7c15u ^ lights;
   }
 
   /// From when on the field of a still scene has to be renewed; after a reset, frames count from 0 again.
@@ -351,7 +350,7 @@ class RadianceField final : public Pass {
   int moments_ = 8;
   float behind_ = .2f;
   int emitter_rays_ = 4;
-  float inside_ = .25f;
+  float inside_ = .05f;
   int budget_ = 0;
 
   interop::ProbeGrid grid_{};

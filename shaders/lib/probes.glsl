@@ -68,8 +68,8 @@ vec3 probe_reading(ivec3 probe, float basis[COEFFICIENTS]) {
   return e;
 }
 
-// Where none of the eight probes around x is on and sees it: all within two grid steps, by visibility and 1/distance².
-vec4 wider_search(ProbeGrid grid, ivec3 base, vec3 x, vec3 n, float basis[COEFFICIENTS]) {
+// All probes within two grid steps, with weights that fall with the distance; `seeing`: only as far as they see x.
+vec4 wider_search(ProbeGrid grid, ivec3 base, vec3 x, vec3 n, float basis[COEFFICIENTS], bool seeing) {
   vec4 sum = vec4(0);
   ivec3 low = max(base - 1, ivec3(0)), high = min(base + 2, grid.counts.xyz - 1);
   for (int z = low.z; z <= high.z; ++z) {
@@ -80,7 +80,8 @@ vec4 wider_search(ProbeGrid grid, ivec3 base, vec3 x, vec3 n, float basis[COEFFI
         if (state.w < .5) continue;
         vec3 path = x - probe_position(grid, probe, state);
         float step2 = dot(grid.spacing.xyz, grid.spacing.xyz);
-        float w = facing_weight(grid, path, n) * probe_visibility(grid, probe, path, n) * step2 / (step2 + dot(path, path));
+        float w = facing_weight(grid, path, n) * step2 / (step2 + dot(path, path));
+        if (seeing) w *= probe_visibility(grid, probe, path, n);
         if (w > least_probe_weight) sum += w * vec4(probe_reading(probe, basis), 1);
       }
     }
@@ -88,8 +89,9 @@ vec4 wider_search(ProbeGrid grid, ivec3 base, vec3 x, vec3 n, float basis[COEFFI
   return sum;
 }
 
-// Irradiance, W/m²: n shading normal, n_g geometric normal. Where no probe within two grid steps sees x, visibility is
-// left out; where none of the eight is on either, the answer is 0.
+// Irradiance, W/m²: n shading normal, n_g geometric normal. Where none of the eight probes around x is on and sees it,
+// the answer comes from the first that holds: those within two grid steps that see x; the eight, seeing or not; those
+// within two steps, seeing or not; 0.
 vec3 probe_irradiance(ProbeGrid grid, vec3 x, vec3 n, vec3 n_g) {
   vec3 at = clamp((x - grid.lower.xyz) / grid.spacing.xyz, vec3(0), vec3(grid.counts.xyz - 1));
   ivec3 base = clamp(ivec3(floor(at)), ivec3(0), max(grid.counts.xyz - 2, ivec3(0)));
@@ -111,8 +113,9 @@ vec3 probe_irradiance(ProbeGrid grid, vec3 x, vec3 n, vec3 n_g) {
     all += w * reading;
     seen += w * probe_visibility(grid, probe, path, n_g) * reading;
   }
-  if (seen.w <= least_probe_weight) seen = wider_search(grid, base, x, n_g, basis);
+  if (seen.w <= least_probe_weight) seen = wider_search(grid, base, x, n_g, basis, true);
   if (seen.w <= least_probe_weight) seen = all;
+  if (seen.w <= least_probe_weight) seen = wider_search(grid, base, x, n_g, basis, false);
   return seen.w > 0. ? max(vec3(0), seen.rgb / seen.w) : vec3(0);
 }
 #endif
