@@ -124,7 +124,9 @@ class RadianceField final : public Pass {
     field.attribute("bands", bands).attribute("basis", "sh");
     punctual_ = !lights.absent();
     facts_ = facts;
-    near_ = static_cast<float>(std::max(1e-5 * glm::length(facts.bounds_max - facts.bounds_min), 1e-30));
+    // A probe may stand close to a wall. Reversed float depth loses nothing by it: near/z keeps its digits down to
+    // 1e-38.
+    near_ = static_cast<float>(std::max(1e-9 * glm::length(facts.bounds_max - facts.bounds_min), 1e-30));
     ports.keep_outputs();
     ports.decide("bounds",
                  std::to_string(counts.x) + "×" + std::to_string(counts.y) + "×" + std::to_string(counts.z) +
