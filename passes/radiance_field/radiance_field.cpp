@@ -52,6 +52,10 @@ class RadianceField final : public Pass {
                .scale = Scale::log,
                .cost = graph,
                .doc = "probes along the longest side of the scene's box; as dense along the others"});
+    p.choice("capture", capture_by_, {"raster", "rays"},
+             {.cost = graph,
+              .doc = "how a probe sees the scene: `raster` draws it around every probe, with its textures; `rays` asks "
+                     "the BVH once a texel, cheaper with many triangles, with mean albedos"});
     p.real("inset", inset_,
            {.min = 0,
             .max = .5,
@@ -150,9 +154,13 @@ class RadianceField final : public Pass {
       return program({"radiance_field/capture.vert", "radiance_field/capture.geom", "radiance_field/capture.frag"},
                      scene_defines(facts));
     };
-    capture_ = capture(facts_, false);
-    capture_masked_ = facts_.alpha_mask ? capture(facts_, true) : nullptr;
-    store_ = program({"radiance_field/store.comp"}, {});
+    if (capture_by_ == "rays") {
+      trace_ = program({"radiance_field/trace.comp"}, scene_defines(facts_));
+    } else {
+      capture_ = capture(facts_, false);
+      capture_masked_ = facts_.alpha_mask ? capture(facts_, true) : nullptr;
+      store_ = program({"radiance_field/store.comp"}, {});
+    }
     classify_ = program({"radiance_field/classify.comp"}, {});
     map_moments_ = program({"radiance_field/moments.comp"}, {});
     auto defines = scene_defines(facts_);
@@ -214,7 +222,7 @@ class RadianceField final : public Pass {
   bool declare_storage(Ports& ports) const {
     const auto n = static_cast<std::size_t>(probe_count()), slot_count = static_cast<std::size_t>(slots());
     const auto coefficients = static_cast<std::size_t>(grid_.counts.w);
-    const std::size_t texels = static_cast<std::size_t>(6 * face_size_ * face_size_);
+    const auto side = static_cast<std::size_t>(face_size_), texels = 6 * side * side;
     const std::size_t texel_bytes = slot_count * texels * sizeof(glm::vec4);
     const std::size_t order_bytes = static_cast<std::size_t>(bounces_) * n * coefficients * sizeof(glm::vec4);
     const std::size_t moment_bytes = n * static_cast<std::size_t>(moments_ * moments_) * sizeof(glm::vec2);
@@ -228,9 +236,11 @@ class RadianceField final : public Pass {
     const auto layered = [&](Format format) {
       return TextureDesc::layers({face_size_, face_size_}, 6 * batch(), format);
     };
-    ports.scratch("normals", layered(Format::rgba32f), Access::color);
-    ports.scratch("surface", layered(Format::rgba32f), Access::color);
-    ports.scratch("depth", layered(Format::depth32f), Access::depth);
+    if (capture_by_ == "raster") {
+      ports.scratch("normals", layered(Format::rgba32f), Access::color);
+      ports.scratch("surface", layered(Format::rgba32f), Access::color);
+      ports.scratch("depth", layered(Format::depth32f), Access::depth);
+    }
     ports.scratch("batch", BufferDesc{slot_count * sizeof(std::int32_t)});
     ports.scratch("weights", BufferDesc{texels * coefficients * sizeof(float)});
     ports.scratch("found", BufferDesc{slot_count * sizeof(glm::vec4)});
@@ -314,11 +324,17 @@ class RadianceField final : public Pass {
     return found;
   }
 
-  /// Draws the scene around the probes of these slots, as many at once as a texture has layers.
+  /// Distance, normals and albedo of every texel of the probes of these slots.
   void capture(Frame& frame, const Bindings& bindings, std::span<const std::int32_t> entries) const {
     static constexpr std::array<std::string_view, 3> targets{"scratch.normals", "scratch.surface", "scratch.depth"};
     bindings.buffer("scratch.batch").write(std::as_bytes(entries));
     const int total = static_cast<int>(entries.size());
+    if (trace_) {
+      trace_->set("entry_count", total);
+      dispatch(frame, bindings, *trace_, {6 * face_size_ * face_size_, total, 1});
+      return frame.barrier();
+    }
+    // As many at once as a texture has layers.
     for (int first = 0; first < total; first += batch()) {
       const int count = std::min(batch(), total - first);
       frame.begin_raster(bindings, targets);
@@ -345,6 +361,7 @@ class RadianceField final : public Pass {
   }
 
   int probes_ = 8;
+  std::string capture_by_ = "raster";
   float inset_ = .1f;
   int face_size_ = 8;
   int order_ = 2;
@@ -361,7 +378,8 @@ class RadianceField final : public Pass {
   float near_ = 0;
   int first_probe_ = 0;
   std::uint64_t versions_ = 0, changed_at_ = 0;
-  std::shared_ptr<const Program> capture_, capture_masked_, store_, classify_, map_moments_, light_, project_, resolve_;
+  std::shared_ptr<const Program> capture_, capture_masked_, trace_, store_, classify_, map_moments_, light_, project_,
+      resolve_;
 };
 
 }  // namespace

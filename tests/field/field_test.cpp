@@ -142,6 +142,25 @@ TEST_F(Field, TheSameFrameTwiceIsTheSame) {
   EXPECT_TRUE(bench.image(field_pipeline, "bounce.irradiance.irradiance", options) == first);
 }
 
+// Drawn or traced, a probe sees the same scene, but for texels whose centre lies within the rasteriser's error of an
+// edge.
+TEST_F(Field, RaysSeeWhatIsDrawn) {
+  Bench bench(*device_, room_with_box().build());
+  look_at_box(bench);
+  const auto render = [&](const char* capture) {
+    return bench.image(field_pipeline, "bounce.irradiance.irradiance",
+                       {.size = {16, 16}, .set = of_field({{"probes", "5"}, {"capture", capture}})});
+  };
+  const Texels drawn = render("raster"), traced = render("rays");
+  double difference = 0, total = 0;
+  for (std::size_t i = 0; i < drawn.values.size(); ++i) {
+    difference += std::abs(static_cast<double>(drawn.values[i].x) - traced.values[i].x);
+    total += drawn.values[i].x;
+  }
+  EXPECT_GT(total, 1);
+  EXPECT_LE(difference, .01 * total);
+}
+
 TEST_F(Field, AStillSceneKeepsItsField) {
   Bench bench(*device_, room_with_box().build());
   look_at_box(bench);
