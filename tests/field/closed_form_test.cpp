@@ -125,7 +125,7 @@ TEST_F(FieldClosedForm, IntegratingSphere) {
     order *= .5;
     expected += order;
     const auto set = of_field({{"probes", "6"}, {"bounces", std::to_string(bounces)}});
-    EXPECT_NEAR(bounce(bench, set), expected, .03 * expected) << bounces;
+    EXPECT_NEAR(bounce(bench, set), expected, .01 * expected) << bounces;
   }
 }
 
