@@ -5,6 +5,7 @@
 #include "interop/camera.h"
 #include "interop/grid.h"
 #include "interop/light.h"
+#include "interop/probes.h"
 
 namespace loom {
 
@@ -64,7 +65,7 @@ const std::vector<BundleType>& builtin_bundles() {
        .members = {{"coefficients", texture, "W/(m² sr)", "radiance coefficients of each probe"},
                    {"moments", texture, "m", "mean and mean square of the radial distance, by direction"},
                    {"state", texture, "m", "offset of the probe from its grid point, and whether it is on"}},
-       .struct_bytes = 64,
+       .struct_bytes = sizeof(interop::ProbeGrid),
        .doc = "Radiance at the probes of a grid"},
       {.name = "VplSet",
        .members = {{"lights", buffer, "W", "virtual point lights: position, normal, flux"}},

@@ -1,0 +1,47 @@
+// GatherProbes: irradiance at the visible surface from the probes of a radiance field.
+//
+//   E(x, n) = Σ_p w_p E_p(n) / Σ_p w_p,   E_p(n) = Σ A_l L_lm Y_lm(n),   A = π, 2π/3, π/4, 0, −π/24,
+//
+// over the eight probes around x, w_p = trilinear · backface term · visibility by the moments of the distance that the
+// probe sees (shaders/lib/probes.glsl has the terms, and what is done where all weights vanish).
+#include <memory>
+#include <string>
+
+#include "loom/plugin.h"
+
+namespace {
+
+using namespace loom;
+
+class GatherProbes final : public Pass {
+ public:
+  void reflect(Ports& ports, const SceneFacts& /*facts*/) override {
+    auto surface = ports.in("surface", "Surface").reads("depth").reads("normal").reads("geometric_normal");
+    auto field = ports.in("field", "ProbeField").reads("coefficients").reads("moments").reads("state");
+    auto irradiance = ports.out("irradiance", "Irradiance");
+    if (surface.absent()) return irradiance.absent(surface.why_absent());
+    if (field.absent()) return irradiance.absent(field.why_absent());
+    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    irradiance.attribute("quantity", "irradiance");
+    bands_ = field.attribute("bands", 3);
+  }
+
+  void prepare(Device& device, const Bindings& /*bindings*/) override {
+    gather_ = device.program(
+        {.files = {"gather_probes/gather.comp"}, .defines = {{"COEFFICIENTS", std::to_string(bands_ * bands_)}}});
+  }
+
+  void execute(Frame& frame, const Bindings& bindings) override {
+    frame.dispatch(*gather_, bindings, {frame.size(), 1});
+  }
+
+ private:
+  int bands_ = 3;
+  std::shared_ptr<const Program> gather_;
+};
+
+}  // namespace
+
+LOOM_PLUGIN("gather_probes", registry) {
+  registry.add<GatherProbes>("GatherProbes", "Irradiance at the visible surface from the probes of a radiance field");
+}
