@@ -1,9 +1,10 @@
 // GatherProbes: irradiance at the visible surface from the probes of a radiance field.
 //
-//   E(x, n) = Σ_p w_p E_p(n) / Σ_p w_p,   E_p(n) = Σ A_l L_lm Y_lm(n),   A = π, 2π/3, π/4, 0, −π/24,
+//   E(x, n) = Σ_p w_p E_p(n) / Σ_p w_p,   E_p(n) = Σ A_l L_lm Y_lm(n),   A = π, 2π/3, π/4, 0, −π/24
 //
-// over the eight probes around x, w_p = trilinear · backface term · visibility by the moments of the distance that the
-// probe sees (shaders/lib/probes.glsl has the terms, and what is done where all weights vanish).
+// (or the sum over spherical Gaussians, shaders/lib/spherical_gaussians.glsl), over the eight probes around x, w_p =
+// trilinear · backface term · visibility by the moments of the distance that the probe sees (shaders/lib/probes.glsl
+// has the terms, and what is done where all weights vanish).
 #include <memory>
 #include <string>
 
@@ -23,12 +24,14 @@ class GatherProbes final : public Pass {
     if (field.absent()) return irradiance.absent(field.why_absent());
     irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
     irradiance.attribute("quantity", "irradiance");
-    bands_ = field.attribute("bands", 3);
+    coefficients_ = field.attribute("coefficients", 9);
+    gaussians_ = field.attribute("basis", "sh") == "sg";
   }
 
   void prepare(Device& device, const Bindings& /*bindings*/) override {
     gather_ = device.program(
-        {.files = {"gather_probes/gather.comp"}, .defines = {{"COEFFICIENTS", std::to_string(bands_ * bands_)}}});
+        {.files = {"gather_probes/gather.comp"},
+         .defines = {{"COEFFICIENTS", std::to_string(coefficients_)}, {"GAUSSIANS", gaussians_ ? "1" : "0"}}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -36,7 +39,8 @@ class GatherProbes final : public Pass {
   }
 
  private:
-  int bands_ = 3;
+  int coefficients_ = 9;
+  bool gaussians_ = false;
   std::shared_ptr<const Program> gather_;
 };
 

@@ -72,6 +72,9 @@ class RadianceField final : public Pass {
     p.integer(
         "order", order_,
         {.min = 0, .max = 4, .cost = graph, .doc = "highest band of spherical harmonics; (order+1)² coefficients"});
+    p.choice("basis", basis_, {"sh", "sg"},
+             {.cost = graph,
+              .doc = "what holds the light of a probe: spherical harmonics up to `order`, or 12 spherical Gaussians"});
     p.integer(
         "bounces", bounces_,
         {.min = 1, .max = 16, .cost = graph, .doc = "reflections before the light arrives at the visible surface"});
@@ -111,10 +114,10 @@ class RadianceField final : public Pass {
     const bool emits = facts.emissive_triangles > 0 || facts.sky;
     if (lights.absent() && !emits) return field.absent("nothing shines: no light, no emitter, black sky");
     if (facts.triangles == 0) return field.absent("the scene has no triangle");
-    const int bands = order_ + 1;
+    const int coefficients = basis_ == "sg" ? field::gaussians : (order_ + 1) * (order_ + 1);
     grid_ = field::fit_probes(
         facts,
-        {.probes = probes_, .inset = inset_, .coefficients = bands * bands, .moments = moments_, .behind = behind_});
+        {.probes = probes_, .inset = inset_, .coefficients = coefficients, .moments = moments_, .behind = behind_});
     if (!declare_storage(ports)) return;
     const glm::ivec3 counts(grid_.counts);
     field.texture("coefficients", TextureDesc::layers({counts.x * grid_.counts.w, counts.y}, counts.z, Format::rgba32f),
@@ -125,7 +128,7 @@ class RadianceField final : public Pass {
         "state",
         {.format = Format::rgba32f, .kind = TextureKind::d3, .width = counts.x, .height = counts.y, .depth = counts.z},
         Access::image_write);
-    field.attribute("bands", bands).attribute("basis", "sh");
+    field.attribute("coefficients", coefficients).attribute("basis", basis_);
     punctual_ = !lights.absent();
     facts_ = facts;
     // A probe may stand close to a wall. Reversed float depth loses nothing by it: near/z keeps its digits down to
@@ -142,6 +145,7 @@ class RadianceField final : public Pass {
     const bool emits = facts_.emissive_triangles > 0;
     const std::string prefix = persistent();
     const std::vector<Define> common = {{"COEFFICIENTS", std::to_string(grid_.counts.w)},
+                                        {"GAUSSIANS", basis_ == "sg" ? "1" : "0"},
                                         {"STATE_BLOCK", prefix + "_states"},
                                         {"MOMENTS_BLOCK", prefix + "_moments"},
                                         {"ORDERS_BLOCK", prefix + "_orders"}};
@@ -181,8 +185,9 @@ class RadianceField final : public Pass {
   void execute(Frame& frame, const Bindings& bindings) override {
     note_changes(frame);
     bindings.publish("field", grid_);
-    bindings.buffer("scratch.weights")
-        .write(std::as_bytes(std::span<const float>(field::texel_weights(face_size_, order_ + 1))));
+    const std::vector<float> weights =
+        basis_ == "sg" ? field::gaussian_weights(face_size_) : field::texel_weights(face_size_, order_ + 1);
+    bindings.buffer("scratch.weights").write(std::as_bytes(std::span(weights)));
     // Probes in turn, by the frame's number alone: what a frame renews does not depend on what ran before.
     const auto n = static_cast<std::uint64_t>(probe_count());
     first_probe_ = static_cast<int>(frame.info().index * static_cast<std::uint64_t>(slots()) % n);
@@ -365,6 +370,7 @@ class RadianceField final : public Pass {
   float inset_ = .1f;
   int face_size_ = 8;
   int order_ = 2;
+  std::string basis_ = "sh";
   int bounces_ = 6;
   int moments_ = 8;
   float behind_ = .2f;

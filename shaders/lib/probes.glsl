@@ -7,12 +7,16 @@
 // Diffuse Global Illumination with Ray-Traced Irradiance Fields", JCGT 8(2), 2019): 1 where |x − p| ≤ μ, else
 // (σ²/(σ² + (|x − p| − μ)²))³. A probe that is off weighs nothing.
 //
-// The including file defines COEFFICIENTS and says how a probe is read: three functions, declared below.
+// The including file defines COEFFICIENTS, and GAUSSIANS (1: spherical Gaussians, 0: harmonics), and says how a probe is read: three functions, declared below.
 #ifndef LOOM_LIB_PROBES_GLSL
 #define LOOM_LIB_PROBES_GLSL
 #include "interop/probes.h"
 #include "lib/octahedral.glsl"
+#if GAUSSIANS
+#include "lib/spherical_gaussians.glsl"
+#else
 #include "lib/sh_bands.glsl"
+#endif
 
 vec4 probe_state(ivec3 probe);                  // offset from the grid point, metres; w: 1 on, 0 off
 vec2 probe_moments(ivec3 probe, ivec2 texel);   // mean distance, metres, and mean square
@@ -63,7 +67,10 @@ float facing_weight(ProbeGrid grid, vec3 path, vec3 n) {
 vec3 probe_reading(ivec3 probe, float basis[COEFFICIENTS]) {
   vec3 e = vec3(0);
   for (int i = 0; i < COEFFICIENTS; ++i) {
-    if (sh_gives_irradiance(i)) e += basis[i] * probe_coefficient(probe, i);
+#if !GAUSSIANS
+    if (!sh_gives_irradiance(i)) continue;
+#endif
+    e += basis[i] * probe_coefficient(probe, i);
   }
   return e;
 }
@@ -97,7 +104,11 @@ vec3 probe_irradiance(ProbeGrid grid, vec3 x, vec3 n, vec3 n_g) {
   ivec3 base = clamp(ivec3(floor(at)), ivec3(0), max(grid.counts.xyz - 2, ivec3(0)));
   vec3 f = at - vec3(base);
   float basis[COEFFICIENTS];
+#if GAUSSIANS
+  sg_irradiance_basis(n, basis);
+#else
   sh_irradiance_basis(n, basis);
+#endif
   vec4 seen = vec4(0), all = vec4(0);  // Σ w·E, Σ w
   for (int i = 0; i < 8; ++i) {
     ivec3 offset = ivec3(i & 1, (i >> 1) & 1, i >> 2);

@@ -1,10 +1,10 @@
-// One order of reflection at one probe a work group: L_lm = Σ_t Y_lm(ω_t) Δω_t L(ω_t). Order 0 is the light of the first
+// One order of reflection at one probe a work group: L_i = Σ_t W_i(t)·L(ω_t), for spherical harmonics W = Y_lm(ω_t)·Δω_t. Order 0 is the light of the first
 // reflection; in every further one what the texel shows reflects the irradiance of the order before, L = ρ/π·E.
 #include "radiance_field/texels.glsl"
 #include "lib/math.glsl"
 #include "lib/probes.glsl"
 layout(local_size_x = 64) in;
-layout(std430) readonly restrict buffer scratch_weights { float weights[]; };  // [texel][coefficient] Y_lm Δω
+layout(std430) readonly restrict buffer scratch_weights { float weights[]; };  // [texel][coefficient]
 layout(std430) restrict buffer ORDERS_BLOCK { vec4 orders[]; };                // [order][probe][coefficient]
 layout(std430) readonly restrict buffer MOMENTS_BLOCK { vec2 moments[]; };
 uniform int reflection;  // order, from 0

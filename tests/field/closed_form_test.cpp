@@ -57,6 +57,13 @@ TEST_F(FieldClosedForm, FurnaceAtEveryOrderOfHarmonics) {
   }
 }
 
+// Twelve Gaussians hold a constant to a hundredth.
+TEST_F(FieldClosedForm, FurnaceInGaussians) {
+  Bench bench(*device_, furnace(.5f, 2).build());
+  bench.look({0, 0, 0}, {-.3, -.2, .4}, .3);
+  EXPECT_NEAR(bounce(bench, of_field({{"probes", "3"}, {"bounces", "1"}, {"basis", "sg"}})), pi, .01 * pi);
+}
+
 // A plane sees no other surface: all of its light comes straight from the sky, none by a bounce.
 TEST_F(FieldClosedForm, SkyOverAPlaneIsAllEmitter) {
   SceneBuilder scene;

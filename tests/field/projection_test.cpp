@@ -24,6 +24,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr int bands = 5, coefficients = bands * bands;
+/// One conversion for all.
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 using Sh = std::array<double, coefficients>;
 
 template <class Radiance>
@@ -32,8 +34,7 @@ Sh project(int size, const Radiance& radiance) {
   Sh c{};
   for (int t = 0; t < 6 * size * size; ++t) {
     const double l = radiance(field::texel_direction(size, t));
-    for (int i = 0; i < coefficients; ++i)
-      c.at(static_cast<std::size_t>(i)) += weights[static_cast<std::size_t>(t * coefficients + i)] * l;
+    for (int i = 0; i < coefficients; ++i) c.at(index(i)) += weights[index(t) * coefficients + index(i)] * l;
   }
   return c;
 }
@@ -71,7 +72,7 @@ TEST(FieldProjection, TheBasisIsOrthonormal) {
     for (int m = -l; m <= l; ++m) {
       const Sh c = project(size, [&](const glm::dvec3& w) { return field::spherical_harmonic(l, m, w); });
       for (int i = 0; i < coefficients; ++i)
-        EXPECT_NEAR(c.at(static_cast<std::size_t>(i)), i == l * l + l + m ? 1 : 0, .003) << l << ' ' << m << ' ' << i;
+        EXPECT_NEAR(c.at(index(i)), i == l * l + l + m ? 1 : 0, .003) << l << ' ' << m << ' ' << i;
     }
   }
 }
@@ -98,14 +99,12 @@ TEST(FieldProjection, AClampedCosineHasItsZonalCoefficientsWhereverItPoints) {
       // The zonal coefficient turns into z_l·√(4π/(2l+1))·Y_lm(axis), so that a band's power is z_l².
       double power = 0;
       for (int m = -l; m <= l; ++m) {
-        const double value = c.at(static_cast<std::size_t>(l * l + l + m));
+        const double value = c.at(index(l * l + l + m));
         power += value * value;
-        EXPECT_NEAR(value,
-                    zonal.at(static_cast<std::size_t>(l)) * std::sqrt(4 * pi / (2 * l + 1)) *
-                        field::spherical_harmonic(l, m, axis),
+        EXPECT_NEAR(value, zonal.at(index(l)) * std::sqrt(4 * pi / (2 * l + 1)) * field::spherical_harmonic(l, m, axis),
                     .002);
       }
-      EXPECT_NEAR(std::sqrt(power), std::abs(zonal.at(static_cast<std::size_t>(l))), .002) << l;
+      EXPECT_NEAR(std::sqrt(power), std::abs(zonal.at(index(l))), .002) << l;
     }
   }
 }
@@ -123,45 +122,84 @@ TEST(FieldProjection, AQuarterTurnTurnsTheCoefficients) {
   for (int l = 2; l < bands; ++l) {
     double before = 0, after = 0;
     for (int i = l * l; i < (l + 1) * (l + 1); ++i) {
-      before += std::pow(c.at(static_cast<std::size_t>(i)), 2);
-      after += std::pow(turned.at(static_cast<std::size_t>(i)), 2);
+      before += std::pow(c.at(index(i)), 2);
+      after += std::pow(turned.at(index(i)), 2);
     }
     EXPECT_NEAR(after, before, 1e-5 * before) << l;
   }
 }
 
-class FieldShader : public GlTest {};
+// The fit is a projection: what is a sum of the Gaussians comes back as it is, but for one sample a texel.
+TEST(FieldProjection, GaussiansFitASumOfThemselves) {
+  constexpr int size = 16, n = field::gaussians;
+  const std::vector<float> weights = field::gaussian_weights(size);
+  std::array<double, n> fitted{};
+  const auto amplitude = [](int i) { return .5 + i % 5; };
+  for (int t = 0; t < 6 * size * size; ++t) {
+    double l = 0;
+    for (int i = 0; i < n; ++i) l += amplitude(i) * field::spherical_gaussian(i, field::texel_direction(size, t));
+    for (int i = 0; i < n; ++i) fitted.at(index(i)) += weights[index(t) * n + index(i)] * l;
+  }
+  for (int i = 0; i < n; ++i) EXPECT_NEAR(fitted.at(index(i)), amplitude(i), 1e-4) << i;
+}
 
-// The shader's polynomials against the recurrence: A_l·Y_lm of every coefficient.
-TEST_F(FieldShader, IrradianceBasisIsTheCosineKernelTimesTheBasis) {
-  write_shader("basis.comp", R"(
-#define COEFFICIENTS 25
-#include "lib/sh_bands.glsl"
+class FieldShader : public GlTest {
+ protected:
+  /// What a shader function makes of the normals `directions`, `count` numbers each.
+  std::vector<float> basis_values(const std::string& header, const std::string& function, int count) const {
+    write_shader("basis.comp", "#define COEFFICIENTS " + std::to_string(count) + "\n#include \"" + header + R"("
 layout(local_size_x = 1) in;
 layout(std430) readonly buffer normals { vec4 n[]; };
 layout(std430) writeonly buffer values { float v[]; };
 void main() {
   float basis[COEFFICIENTS];
-  sh_irradiance_basis(n[gl_WorkGroupID.x].xyz, basis);
+  )" + function + R"((n[gl_WorkGroupID.x].xyz, basis);
   for (int i = 0; i < COEFFICIENTS; ++i) v[int(gl_WorkGroupID.x) * COEFFICIENTS + i] = basis[i];
 })");
-  const auto device = make_device();
-  const auto program = device->program({.files = {"basis.comp"}});
-  std::vector<glm::vec4> normals;
-  for (const glm::dvec3& n : directions) normals.emplace_back(glm::vec3(n), 0);
-  const Buffer in = Buffer::of(std::span<const glm::vec4>(normals), "normals");
-  const Buffer out(normals.size() * coefficients * sizeof(float), "values");
-  const EmptyScene scene;
-  run_compute(*program, scene, {{"normals", &in}, {"values", &out}}, static_cast<unsigned int>(normals.size()));
-  std::vector<float> values(normals.size() * coefficients);
-  out.read(std::as_writable_bytes(std::span(values)));
+    const auto device = make_device();
+    const auto program = device->program({.files = {"basis.comp"}});
+    std::vector<glm::vec4> normals;
+    normals.reserve(directions.size());
+    for (const glm::dvec3& n : directions) normals.emplace_back(glm::vec3(n), 0);
+    const Buffer in = Buffer::of(std::span<const glm::vec4>(normals), "normals");
+    std::vector<float> values(normals.size() * static_cast<std::size_t>(count));
+    const Buffer out(values.size() * sizeof(float), "values");
+    const EmptyScene scene;
+    run_compute(*program, scene, {{"normals", &in}, {"values", &out}}, static_cast<unsigned int>(normals.size()));
+    out.read(std::as_writable_bytes(std::span(values)));
+    return values;
+  }
+};
+
+// The shader's polynomials against the recurrence: A_l·Y_lm of every coefficient.
+TEST_F(FieldShader, IrradianceBasisIsTheCosineKernelTimesTheBasis) {
+  const std::vector<float> values = basis_values("lib/sh_bands.glsl", "sh_irradiance_basis", coefficients);
   constexpr std::array<double, bands> kernel{pi, 2 * pi / 3, pi / 4, 0, -pi / 24};
-  for (std::size_t k = 0; k < normals.size(); ++k)
+  for (std::size_t k = 0; k < directions.size(); ++k)
     for (int l = 0; l < bands; ++l)
       for (int m = -l; m <= l; ++m)
-        EXPECT_NEAR(values[k * coefficients + static_cast<std::size_t>(l * l + l + m)],
-                    kernel.at(static_cast<std::size_t>(l)) * field::spherical_harmonic(l, m, directions.at(k)), 2e-6)
+        EXPECT_NEAR(values[k * coefficients + index(l * l + l + m)],
+                    kernel.at(index(l)) * field::spherical_harmonic(l, m, directions.at(k)), 2e-6)
             << l << ' ' << m;
+}
+
+// ∫ G_i(v)⟨n,v⟩₊ dv by cubes of 32², whose own error is 1e-4; the shader's sum ends before band 6, which holds up to
+// π/64·13/2·I_6 = 3e-4.
+TEST_F(FieldShader, IrradianceOfAGaussianIsItsIntegralOverTheHemisphere) {
+  constexpr int size = 32, n = field::gaussians;
+  const std::vector<float> values = basis_values("lib/spherical_gaussians.glsl", "sg_irradiance_basis", n);
+  const std::vector<float> solid_angles = field::texel_weights(size, 1);  // times Y00
+  for (std::size_t k = 0; k < directions.size(); ++k) {
+    for (int i = 0; i < n; ++i) {
+      double integral = 0;
+      for (int t = 0; t < 6 * size * size; ++t) {
+        const glm::dvec3 w = field::texel_direction(size, t);
+        integral += solid_angles[index(t)] * std::sqrt(4 * pi) * field::spherical_gaussian(i, w) *
+                    std::max(0., glm::dot(w, directions.at(k)));
+      }
+      EXPECT_NEAR(values[k * n + index(i)], integral, 1e-3) << k << ' ' << i;
+    }
+  }
 }
 
 }  // namespace
