@@ -8,7 +8,7 @@
 #   -o FOLDER   default table-out
 #   --scene     a shipped name, a glTF or run file; default: cornell-box, cornell-box-emissive, and with LOOM_SCENES set
 #               living-room and sponza
-#   --pipeline  a shipped name or a file; default: all in pipelines/ that can be measured
+#   --pipeline  a shipped name or a file; default: all methods in pipelines/
 #   --size      default 128x128, for scenes below LOOM_SCENES 160x90
 #   --spp       paths a pixel of the references, 512
 #   --samples   sub-pixel samples of the pipelines, 4
@@ -50,8 +50,11 @@ if [ ${#scenes[@]} -eq 0 ]; then
 fi
 if [ ${#pipelines[@]} -eq 0 ]; then
   for file in "$top"/pipelines/*.json; do
-    # Measured is what names its radiance, itself or in what it extends; the reference is what it is measured against.
-    grep -qE '"(hdr|extends)":' "$file" && [ "$file" != "$top/pipelines/reference.json" ] && pipelines+=("$file")
+    # The reference is what the others are measured against, the views of the G-buffer are no method.
+    case $(basename "$file") in
+      reference.json | gbuffer.json) ;;
+      *) pipelines+=("$file") ;;
+    esac
   done
 fi
 mkdir -p "$folder/rows" || exit 1

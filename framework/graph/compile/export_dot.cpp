@@ -46,7 +46,7 @@ std::string port_column(const CompiledPass& pass, bool inputs) {
             (inputs ? "left" : "right") + "\">" + escaped(port.name) + (port.absent ? " ∅" : "") + "</td></tr>";
   }
   if (rows.empty()) return "<td></td>";
-  return "<td><table border=\"0\" cellborder=\"0\" cellspacing=\"0\">" + rows + "</table></td>";
+  return R"(<td><table border="0" cellborder="0" cellspacing="0">)" + rows + "</table></td>";
 }
 
 std::string node(const CompiledGraph& graph, const CompiledPass& pass) {
@@ -54,11 +54,11 @@ std::string node(const CompiledGraph& graph, const CompiledPass& pass) {
   const std::string colour(pass.runs ? running_colour : idle_colour);
   std::string text = "  \"" + pass.name + "\" [tooltip=\"" + escaped(pass.runs ? pass.type : why) + '"';
   if (!pass.runs) text += ", fontcolor=\"" + std::string(idle_text) + '"';
-  text += ", label=<<table border=\"1\" cellborder=\"0\" cellspacing=\"0\" color=\"" +
+  text += R"(, label=<<table border="1" cellborder="0" cellspacing="0" color=")" +
           std::string(pass.runs ? "#444444" : idle_text) + "\" bgcolor=\"" + colour + "\">";
   text += "<tr><td colspan=\"2\"><b>" + escaped(pass.name) + "</b><br/><font point-size=\"9\">" + escaped(pass.type) +
           "</font></td></tr>";
-  if (!why.empty()) text += "<tr><td colspan=\"2\"><font point-size=\"8\"><i>" + escaped(why) + "</i></font></td></tr>";
+  if (!why.empty()) text += R"(<tr><td colspan="2"><font point-size="8"><i>)" + escaped(why) + "</i></font></td></tr>";
   text += "<tr>" + port_column(pass, true) + port_column(pass, false) + "</tr></table>>];\n";
   return text;
 }
@@ -77,7 +77,7 @@ std::string wire(const CompiledGraph& graph, const Edge& edge) {
 
 std::string output(const GraphOutput& output) {
   const std::string name = "\"outputs." + output.name + '"';
-  std::string text = "  " + name + " [shape=box, style=\"rounded,filled\", fillcolor=\"#dfeaf4\", label=\"" +
+  std::string text = "  " + name + R"( [shape=box, style="rounded,filled", fillcolor="#dfeaf4", label=")" +
                      escaped(output.name) + "\"";
   if (output.absent)
     text += ", fontcolor=\"" + std::string(idle_text) + "\", tooltip=\"" + escaped(*output.absent) + '"';

@@ -69,7 +69,7 @@ class Reader {
       entry.type_where = type->where;
     else
       diagnostics_.error("missing-key", "input `" + member.key + "` has no `type`", member.key_where,
-                         "say which bundle the program supplies: \"type\": \"Image\"");
+                         R"(say which bundle the program supplies: "type": "Image")");
     if (const Node* format = member.value.find("format")) entry.format_where = format->where;
     if (const Node* size = member.value.find("size"); size != nullptr && !(size->string == "frame")) {
       const auto side = [](const Node& n) { return n.is(Kind::integer) && n.integer > 0 && n.integer <= 16384; };
@@ -89,7 +89,7 @@ class Reader {
       if (!expect(member.value, Kind::string, "input `" + pass.name + '.' + member.key + '`')) continue;
       auto from = endpoint_from(member.value.string);
       if (!from || !from->member.empty() || (from->external() && from->history)) {
-        std::string hint = "a wire is \"pass.port\", \"pass.port@prev\" or \"inputs.name\"";
+        std::string hint = R"(a wire is "pass.port", "pass.port@prev" or "inputs.name")";
         if (from && !from->member.empty())
           hint = "a wire carries a whole bundle: \"" + from->pass + '.' + from->port + '"';
         else if (from)
@@ -140,7 +140,7 @@ class Reader {
       entry.from = endpoint_from(entry.text);
       if (!entry.from || entry.from->history) {
         diagnostics_.error("bad-endpoint", "`" + entry.text + "` is not what output `" + member.key + "` can be",
-                           entry.where, "an output is \"pass.port\" or \"pass.port.member\" of this frame, or null");
+                           entry.where, R"(an output is "pass.port" or "pass.port.member" of this frame, or null)");
         return;
       }
     }
@@ -223,7 +223,7 @@ Document read_document(Loaded loaded, const std::string& file, Diagnostics& diag
   const bool named = outputs != nullptr && outputs->find("image") != nullptr;  // wrong values are reported above
   if ((image == document.outputs.end() && !named) || (image != document.outputs.end() && !image->from))
     diagnostics.error("missing-image", "the pipeline makes no `image`", document.outputs_where,
-                      "every pipeline names what it shows: \"outputs\": { \"image\": \"tonemap.image\" }");
+                      R"(every pipeline names what it shows: "outputs": { "image": "tonemap.image" })");
   return document;
 }
 

@@ -109,7 +109,7 @@ void find_source(Draft& draft, const DraftPass& pass, Wire& wire) {
     std::vector<std::string> names;
     for (const auto& external : draft.externals) names.push_back(external.entry->name);
     std::string hint = name_hint(from.port, names);
-    if (hint.empty()) hint = "declare it: \"inputs\": { \"" + from.port + "\": { \"type\": \"Image\" } }";
+    if (hint.empty()) hint = R"(declare it: "inputs": { ")" + from.port + R"(": { "type": "Image" } })";
     draft.diagnostics->error("unknown-input",
                              input + " is wired to `inputs." + from.port + "`, which the pipeline does not declare",
                              wire.entry->where, std::move(hint));

@@ -16,6 +16,7 @@ std::size_t at(int index) { return static_cast<std::size_t>(index); }
 template <class Decl>
 std::vector<std::string> names_of(const std::vector<Decl>& decls) {
   std::vector<std::string> names;
+  names.reserve(decls.size());
   for (const auto& decl : decls) names.push_back(decl.name);
   return names;
 }
