@@ -9,6 +9,9 @@
 // `emitter` of indirect light, so that nothing is counted twice. Orders are kept apart and each is made of the one
 // before; nothing is fed back into itself, so that `bounces` means what it means for the path tracer.
 //
+// With `voxels` wired, texels look up what the voxelized scene reflects (all orders of `light`, where Radiosity is
+// wired there) instead: L = R, once.
+//
 // With a `budget`, so many probes are captured and all their orders renewed in each frame, in turn; after `bounces`
 // rounds the field of a still scene is exactly the field that is made at once.
 #include <algorithm>
@@ -110,9 +113,12 @@ class RadianceField final : public Pass {
   void reflect(Ports& ports, const SceneFacts& facts) override {
     auto lights = ports.in("lights", "LightLayers").optional();
     lights.reads("shadow").reads("faces", Access::storage_read);
+    auto voxels = ports.in("voxels", "VoxelScene").optional().reads("coverage").reads("radiance");
     auto field = ports.out("field", "ProbeField");
+    voxels_ = voxels.texture("coverage") != nullptr && voxels.texture("radiance") != nullptr;
+    has_light_ = ports.in("light", "VoxelScene").optional().reads("radiance").texture("radiance") != nullptr;
     const bool emits = facts.emissive_triangles > 0 || facts.sky;
-    if (lights.absent() && !emits) return field.absent("nothing shines: no light, no emitter, black sky");
+    if (lights.absent() && !emits && !voxels_) return field.absent("nothing shines: no light, no emitter, black sky");
     if (facts.triangles == 0) return field.absent("the scene has no triangle");
     const int coefficients = basis_ == "sg" ? field::gaussians : (order_ + 1) * (order_ + 1);
     grid_ = field::fit_probes(
@@ -174,7 +180,9 @@ class RadianceField final : public Pass {
     defines.emplace_back("TRACED", "1");
     const bool few = facts_.emissive_triangles <= most_integrated_emitters;
     defines.emplace_back("EMITTERS", !emits ? "EMITTERS_none" : few ? "EMITTERS_few" : "EMITTERS_many");
-    light_ = program({"radiance_field/light.comp"}, std::move(defines));
+    light_ = voxels_ ? program({"radiance_field/look_up.comp"},
+                               {{"LIGHT", has_light_ ? "light_radiance" : "voxels_radiance"}})
+                     : program({"radiance_field/light.comp"}, std::move(defines));
     project_ = program({"radiance_field/project.comp"}, {});
     const auto made = [&](const char* member) { return bindings.has(member) ? "1" : "0"; };
     resolve_ = program({"radiance_field/resolve.comp"}, {{"COEFFICIENTS_OUT", made("field.coefficients")},
@@ -197,7 +205,7 @@ class RadianceField final : public Pass {
     dispatch(frame, bindings, *map_moments_, {moments_ * moments_, slots(), 1});
     dispatch(frame, bindings, *light_, {texels, slots(), 1});
     frame.barrier();
-    for (int reflection = 0; reflection < bounces_; ++reflection) {
+    for (int reflection = 0; reflection < orders(); ++reflection) {
       project_->set("reflection", reflection);
       dispatch(frame, bindings, *project_, {64 * slots(), 1, 1});
       frame.barrier();
@@ -211,12 +219,14 @@ class RadianceField final : public Pass {
     // With a budget every frame differs from the last, until every order has had its round: each needs one more than
     // the order before.
     const auto rounds = static_cast<std::uint64_t>((probe_count() + slots() - 1) / slots());
-    const std::uint64_t frames = budget_ == 0 ? 1 : rounds * static_cast<std::uint64_t>(bounces_);
+    const std::uint64_t frames = budget_ == 0 ? 1 : rounds * static_cast<std::uint64_t>(orders());
     return scene * 31 + (known ? std::min(index - changed_at_, frames - 1) : 0);
   }
 
  private:
   [[nodiscard]] int probe_count() const { return grid_.counts.x * grid_.counts.y * grid_.counts.z; }
+  /// Orders of reflection that the probes keep apart. Voxels hold all of theirs at once.
+  [[nodiscard]] int orders() const { return voxels_ ? 1 : bounces_; }
   /// Probes that one frame renews.
   [[nodiscard]] int slots() const { return budget_ == 0 ? probe_count() : std::min(budget_, probe_count()); }
   /// Where the field stands while it is made: it has to outlive the frame only where the frame renews a part of it.
@@ -229,7 +239,7 @@ class RadianceField final : public Pass {
     const auto coefficients = static_cast<std::size_t>(grid_.counts.w);
     const auto side = static_cast<std::size_t>(face_size_), texels = 6 * side * side;
     const std::size_t texel_bytes = slot_count * texels * sizeof(glm::vec4);
-    const std::size_t order_bytes = static_cast<std::size_t>(bounces_) * n * coefficients * sizeof(glm::vec4);
+    const std::size_t order_bytes = static_cast<std::size_t>(orders()) * n * coefficients * sizeof(glm::vec4);
     const std::size_t moment_bytes = n * static_cast<std::size_t>(moments_ * moments_) * sizeof(glm::vec2);
     if (std::max({texel_bytes, order_bytes, moment_bytes}) > max_block_bytes) {
       ports.error("too-many-probes",
@@ -379,7 +389,7 @@ class RadianceField final : public Pass {
   int budget_ = 0;
 
   interop::ProbeGrid grid_{};
-  bool punctual_ = false;
+  bool punctual_ = false, voxels_ = false, has_light_ = false;
   SceneFacts facts_;
   float near_ = 0;
   int first_probe_ = 0;
