@@ -4,10 +4,11 @@
 // Each probe captures what stands around it on six small cube faces: distance, normals, albedo ρ. Every texel reflects
 //   L_1 = ρ/π·(E_punctual + E_emitters + E_sky),      with shadows by the lights' maps and by rays,
 //   L_k = ρ/π·E_{k−1},                                E of the probes themselves, one order before,
-// and a probe holds L_lm = Σ_t Y_lm(ω_t)·Δω_t·Σ_k L_k(ω_t), with Δω_t the exact solid angle of the texel. What a
-// surface emits itself, and the sky, are in no texel: they reach a receiver without a bounce, which is the part
-// `emitter` of indirect light, so that nothing is counted twice. Orders are kept apart and each is made of the one
-// before; nothing is fed back into itself, so that `bounces` means what it means for the path tracer.
+// and a probe holds L_lm = Σ_t Y_lm(ω_t)·Δω_t·Σ_k L_k(ω_t), with Δω_t the exact solid angle of the texel,
+// or the amplitudes of twelve spherical Gaussians that fit the same texels. What a surface emits itself, and the sky,
+// are in no texel: they reach a receiver without a bounce, which is the part `emitter` of indirect light, so that
+// nothing is counted twice. Orders are kept apart and each is made of the one before; nothing is fed back into itself,
+// so that `bounces` means what it means for the path tracer.
 //
 // With `voxels` wired, texels look up what the voxelized scene reflects (all orders of `light`, where Radiosity is
 // wired there) instead: L = R, once.

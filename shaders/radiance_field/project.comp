@@ -1,5 +1,6 @@
-// One order of reflection at one probe a work group: L_i = Σ_t W_i(t)·L(ω_t), for spherical harmonics W = Y_lm(ω_t)·Δω_t. Order 0 is the light of the first
-// reflection; in every further one what the texel shows reflects the irradiance of the order before, L = ρ/π·E.
+// One order of reflection at one probe a work group: L_i = Σ_t W_i(t)·L(ω_t), for spherical harmonics with
+// W = Y_lm(ω_t)·Δω_t. Order 0 is the light of the first reflection; in every further one what the texel shows reflects the
+// irradiance of the order before, L = ρ/π·E.
 #include "radiance_field/texels.glsl"
 #include "lib/math.glsl"
 #include "lib/probes.glsl"

@@ -209,7 +209,7 @@ TEST_F(Field, ExtremesStayFinite) {
       of_field({{"probes", "2"}, {"face_size", "1"}, {"moments", "1"}, {"order", "4"}, {"inset", "0"}}),
       of_field({{"probes", "2"}, {"face_size", "32"}, {"moments", "32"}, {"order", "0"}, {"inset", "0.5"}}),
       of_field({{"probes", "5"}, {"inside", "0"}, {"bounces", "16"}, {"behind", "1"}}),
-      of_field({{"probes", "3"}, {"inside", "1"}, {"budget", "1"}})};
+      of_field({{"probes", "3"}, {"inside", "1"}, {"budget", "1"}, {"basis", "sg"}, {"capture", "rays"}})};
   for (const float power : {1e-6f, 1e8f}) {
     SceneBuilder scene = room_with_box(power);
     scene.point({1.5f, 1, 1.5f}, glm::vec3(power));  // inside the box
