@@ -48,10 +48,15 @@ struct Promise {
   const char* pipeline;
   double low, high, share;
 };
-constexpr Promise promises[] = {
-    {"lpv-fast", .6, 1.4, .5},  {"lpv", .6, 1.4, .5},         {"lpv-cascaded-accurate", .7, 1.3, .5},
-    {"lpv-voxel", .6, 1.4, .5}, {"ray-march", .85, 1.15, .2}, {"ray-march-probes", .85, 1.15, .2},
-    {"cone-trace", .7, 1.3, .2}};
+constexpr Promise promises[] = {{"lpv-fast", .6, 1.4, .5},
+                                {"lpv", .6, 1.4, .5},
+                                {"lpv-cascaded-accurate", .7, 1.3, .5},
+                                {"lpv-voxel", .6, 1.4, .5},
+                                {"ray-march", .85, 1.15, .2},
+                                {"ray-march-probes", .85, 1.15, .2},
+                                {"cone-trace", .7, 1.3, .2},
+                                {"radiance-field", .85, 1.15, .2},
+                                {"radiance-field-voxel", .85, 1.15, .2}};
 
 class Truth : public GlTest {};
 

@@ -112,6 +112,22 @@ TEST_F(CheapEndsTest, VolumeOfProbesInAFurnace) {
   EXPECT_NEAR(e.x, pi * albedo * (1 + albedo), .02 * pi * albedo * (1 + albedo));
 }
 
+// Probes that look up the voxels' light: the same furnace, all orders at once.
+TEST_F(CheapEndsTest, ProbesLitByVoxelsInAFurnace) {
+  const float albedo = .5F;
+  Bench bench(*device_, furnace(albedo));
+  bench.look({.4, .1, -.3}, {-.8, -.4, .9}, .5);
+  const glm::vec4 e = bench
+                          .image(furnace_pipeline(R"(
+    "field": { "type": "RadianceField", "in": { "voxels": "voxelize.voxels", "light": "radiosity.light" },
+               "params": { "probes": 4, "capture": "rays" } },
+    "bounce": { "type": "GatherProbes", "in": { "surface": "gbuffer.surface", "field": "field.field" } } },
+  "outputs": { "image": "bounce.irradiance" })"),
+                                 "image", {.size = {16, 16}})
+                          .mean();
+  EXPECT_NEAR(e.x, pi * albedo * (1 + albedo), .02 * pi * albedo * (1 + albedo));
+}
+
 // Cones never see more than there is, and in a closed box most of it: what is missing they meet on their own surface.
 TEST_F(CheapEndsTest, ConesInAFurnace) {
   const float albedo = .5F;
