@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds Lightloom and renders the built-in scene with every pipeline into demo-out/. Installs what is missing where it
-# may, and measures each against the path tracer. Environment: LOOM_JOBS (parallel jobs), LOOM_DEMO_SIZE (512x512),
+# may, and measures each against the path tracer. Environment: LOOM_JOBS (parallel jobs), LOOM_DEMO_SIZE (256x256),
 # LOOM_DEMO_SAMPLES (4), LOOM_DEMO_SPP (512: paths a pixel of the reference that the error table is made with).
 set -uo pipefail
 cd "$(dirname "$0")" || exit 1
@@ -13,7 +13,7 @@ options=()
 step "configuring" configure build "${options[@]}" || exit 1
 step "building" cmake --build build --parallel "$jobs" --target lightloom || exit 1
 
-size=${LOOM_DEMO_SIZE:-512x512}
+size=${LOOM_DEMO_SIZE:-256x256}
 samples=${LOOM_DEMO_SAMPLES:-4}
 mkdir -p demo-out
 failed=0
