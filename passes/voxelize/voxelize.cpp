@@ -41,6 +41,10 @@ class Voxelize final : public Pass {
                .scale = Scale::log,
                .cost = Cost::graph,
                .doc = "cells along the longest side of the scene's box"});
+    p.choice("occupancy", occupancy_, {"share", "binary"},
+             {.cost = Cost::shader,
+              .doc = "`share`: of each sheet, what is opaque; `binary`: all of the cell's section, wherever there is "
+                     "anything"});
     p.integer("rays", rays_,
               {.min = 1,
                .max = 1024,
@@ -81,7 +85,9 @@ class Voxelize final : public Pass {
   void prepare(Device& device, const Bindings& bindings) override {
     emission_ = bindings.has("voxels.emission");
     const int rows = sum_rows + (emits() ? emission_rows : 0);
-    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows)}, {"EMISSION", emission_ ? "1" : "0"}};
+    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows)},
+                                     {"EMISSION", emission_ ? "1" : "0"},
+                                     {"BINARY", occupancy_ == "binary" ? "1" : "0"}};
     auto defines = scene_defines(facts_);
     defines.insert(defines.end(), layout.begin(), layout.end());
     voxelize_ = device.program(
@@ -125,6 +131,7 @@ class Voxelize final : public Pass {
   }
 
   int grid_ = 32, rays_ = 32;
+  std::string occupancy_ = "share";
   bool shadow_maps_ = false, emission_ = false;
   SceneFacts facts_;
   interop::Grid grid_block_{};

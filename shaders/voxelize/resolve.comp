@@ -108,10 +108,17 @@ void store_sheet(ivec3 cell, int axis, Sheet s, inout vec4 coverage) {
     float offset = dot(n, s.position / s.area);
     plane = vec4(n * length(mean), offset);
     extent = vec4(turn_axis_last(s.low, axis).xy, turn_axis_last(s.high, axis).xy);
+#if BINARY
+    extent = vec4(0, 0, 1, 1);
+#endif
     float section = section_area(turn_axis_last(n, axis), offset, extent);
-    coverage[axis] = s.area < section ? s.area / section : 1.;
-    coverage.w = 1.;
+#if BINARY
+    seen = section;
+#else
     seen = min(s.area, section);
+#endif
+    coverage[axis] = seen < section ? seen / section : 1.;
+    coverage.w = 1.;
   }
   ivec3 at = cell + ivec3(0, 0, axis * grid.cells.z);
   imageStore(voxels_plane, at, plane);

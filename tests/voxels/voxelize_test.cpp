@@ -1,9 +1,11 @@
 // Voxelize against what is known of triangles: areas, planes, the two sides of a wall, and the light that they reflect.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -159,6 +161,26 @@ TEST_F(VoxelizeTest, TheTwoSidesOfAThinWallStayApart) {
     EXPECT_EQ(v.coverage.at(cell.x, cell.y, cell.z)[0], 1);
   });
   EXPECT_GE(sheets, 100);
+}
+
+// A fence of thin bars covers a part of each cell; in binary voxels it is a wall.
+TEST_F(VoxelizeTest, BinaryOccupancyFillsTheCell) {
+  SceneBuilder scene;
+  const int grey = scene.material(glm::vec3(.5));
+  for (int i = 0; i < 16; ++i) {
+    const float x = -1 + .125F * static_cast<float>(i);
+    scene.quad({x, 0, 1}, {x + .05F, 0, 1}, {x + .05F, 0, -1}, {x, 0, -1}, grey);
+  }
+  Bench bench(*device_, scene.build());
+  for (const auto& [occupancy, expected] : {std::pair{"share", .5}, {"binary", 1.}}) {
+    bench.render(unlit, {.size = {8, 8},
+                         .set = {{"voxelize", "grid", "10"}, {"voxelize", "occupancy", occupancy}},
+                         .requested = {"voxelize.voxels.coverage"}});
+    const Texels coverage = bench.read("voxelize.voxels.coverage");
+    double most = 0;
+    for (const glm::vec4& cell : coverage.values) most = std::max<double>(most, cell.y);
+    EXPECT_NEAR(most, expected, .1) << occupancy;
+  }
 }
 
 // L = ρ/π·E on every cell of a floor under a directional light, and darkness below it.
