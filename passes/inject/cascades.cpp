@@ -1,6 +1,5 @@
 #include "cascades.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <glm/common.hpp>
@@ -12,17 +11,6 @@ namespace inject {
 using glm::dvec3;
 using loom::interop::Camera;
 using loom::interop::Grid;
-
-Grid fit_grid(const loom::SceneFacts& facts, int n) {
-  const dvec3 extent = facts.bounds_max - facts.bounds_min;
-  const double longest = std::max({extent.x, extent.y, extent.z, 1e-30});
-  const double s = n > 2 ? longest / (n - 2) : longest;
-  const dvec3 lower = .5 * (facts.bounds_min + facts.bounds_max) - dvec3(.5 * s * n);
-  Grid grid{};
-  grid.cells = {n, n, n, 1};
-  grid.cascade[0] = glm::vec4(glm::vec3(lower), static_cast<float>(s));
-  return grid;
-}
 
 Grid place_cascades(const Grid& coarsest, int count, const Camera& camera) {
   Grid grid = coarsest;

@@ -2,13 +2,8 @@
 // Where the nested grids of Inject lie.
 #include "interop/camera.h"
 #include "interop/grid.h"
-#include "loom/facts.h"
 
 namespace inject {
-
-/// The coarsest grid: n³ cells around the scene's box, with one empty cell on each side, so that no surface lies
-/// outside and both faces of a wall at the border exist. Cell size and corner are those of cascade 0 of the result.
-loom::interop::Grid fit_grid(const loom::SceneFacts& facts, int n);
 
 /// `count` nested grids of the same number of cells, finest first: the last is `coarsest`, each other one has half the
 /// cell of the next. They lie a quarter of their side ahead of the camera, or as near to that as the coarsest reaches,

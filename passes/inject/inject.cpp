@@ -12,6 +12,7 @@
 // `compute` sums in fixed point, with a scale derived from each source's own power: order-independent, and 1 W beside
 // 1e8 W keeps its digits, since each source is resolved to float before the next. `points` draws every element as a
 // point into a layer of the volumes and lets blending add up in 32-bit float.
+#include "loom/grid.h"
 #include "loom/plugin.h"
 
 #include <algorithm>
@@ -96,7 +97,7 @@ class Inject final : public Pass {
                       "³ cells: three axes of albedo exceed 2048 slices",
                   "cascades × grid must be at most " + std::to_string(max_slices / 3));
     }
-    coarsest_ = inject::fit_grid(facts, grid_);
+    coarsest_ = fit_grid(facts, grid_, GridShape::cube);
     scene_centre_ = glm::vec3(.5 * (facts.bounds_min + facts.bounds_max));
     scene_radius_ = static_cast<float>(.5 * glm::length(facts.bounds_max - facts.bounds_min));
     scene_defines_ = scene_defines(facts);

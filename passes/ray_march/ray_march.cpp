@@ -37,10 +37,10 @@ class RayMarch final : public Pass {
                .scale = Scale::log,
                .cost = Cost::graph,
                .doc = "cells of `volume` along the longest side of the scene's box"});
-    p.boolean("emitter", emitter_,
-              {.cost = Cost::graph,
-               .doc = "count what comes straight from sky and, by rays, from emissive surfaces, too: for pipelines "
-                      "without AreaLight"});
+    p.boolean(
+        "emitter", emitter_,
+        {.cost = Cost::graph,
+         .doc = "count what comes straight from emissive surfaces and sky, too: for pipelines without AreaLight"});
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {

@@ -121,7 +121,9 @@ class Voxelize final : public Pass {
   }
 
   [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {
-    return frame.scene().geometry_version() * 0x9e3779b97f4a7c15u ^ frame.scene().lights_version();
+    // Both versions count changes of one scene, so that their pair names its state; the seed places the rays.
+    const std::uint64_t lights = frame.scene().lights_version() ^ std::uint64_t{frame.info().seed} << 32;
+    return frame.scene().geometry_version() * 0x9e3779b97f4a7c15u ^ lights;
   }
 
  private:

@@ -3,13 +3,8 @@
 #include "interop/frame.h"
 #include "lib/camera.glsl"
 #include "lib/sampling.glsl"
-#if EMITTER
-#define SHEET_RADIANCE(cell, slab) sheet_exitant(cell + ivec3(0, 0, (slab) * grid.cells.z))
-vec3 sheet_exitant(ivec3 texel);
-#else
-#define SHEET_RADIANCE(cell, slab) texelFetch(LIGHT, cell + ivec3(0, 0, (slab) * grid.cells.z), 0).rgb
-#endif
-uniform sampler3D LIGHT;
+#include "ray_march/exitant.glsl"
+// After what sheets send out is known.
 #include "lib/voxels.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -20,20 +15,6 @@ uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
 layout(rgba32f) uniform writeonly image2D irradiance_irradiance;
 uniform int rays;
-
-#if EMITTER
-#if EMISSION
-uniform sampler3D voxels_emission;
-#endif
-// What a side reflects and what it emits.
-vec3 sheet_exitant(ivec3 texel) {
-  vec3 radiance = texelFetch(LIGHT, texel, 0).rgb;
-#if EMISSION
-  radiance += texelFetch(voxels_emission, texel, 0).rgb;
-#endif
-  return radiance;
-}
-#endif
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

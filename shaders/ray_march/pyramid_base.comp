@@ -1,10 +1,10 @@
 // Level 0 of the pyramid: of each cell the sheets, as far as they face the direction.
-#define SHEET_RADIANCE(cell, slab) vec3(0)
+#include "ray_march/exitant.glsl"
+// After what sheets send out is known.
 #include "lib/sheets.glsl"
 #include "ray_march/pyramid.glsl"
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
-uniform sampler3D LIGHT;
 layout(rgba16f) uniform writeonly image3D scratch_pyramid;
 
 void main() {
@@ -24,7 +24,7 @@ void main() {
       SheetSide s;
       if (!sheet_side(cell, axis, side, s) || towards * s.normal[along] <= 0.) continue;
       float share = s.area / face * abs(s.normal[along]);  // of the cell's face that the side fills
-      sum += share * vec4(texelFetch(LIGHT, s.texel, 0).rgb, 1);
+      sum += share * vec4(exitant_radiance(s.texel), 1);
     }
   }
   imageStore(scratch_pyramid, level_corner(grid.cells.xyz, 0, slab) + cell, sum.a > 1. ? sum / sum.a : sum);

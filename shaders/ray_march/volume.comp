@@ -3,8 +3,8 @@
 #include "interop/frame.h"
 #include "lib/sampling.glsl"
 #include "lib/sh.glsl"
-uniform sampler3D LIGHT;
-#define SHEET_RADIANCE(cell, slab) texelFetch(LIGHT, cell + ivec3(0, 0, (slab) * grid.cells.z), 0).rgb
+#include "ray_march/exitant.glsl"
+// After what sheets send out is known.
 #include "lib/voxels.glsl"
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 2) in;
 

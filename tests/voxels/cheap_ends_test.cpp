@@ -101,15 +101,19 @@ TEST_F(CheapEndsTest, VolumeOfProbesInAFurnace) {
   const float albedo = .5F;
   Bench bench(*device_, furnace(albedo));
   bench.look({0, 0, 0}, {-1, .05, .05}, .3);
-  const glm::vec4 e = bench
-                          .image(furnace_pipeline(R"(
+  for (const bool emitter : {false, true}) {
+    const glm::vec4 e =
+        bench
+            .image(furnace_pipeline(R"(
     "march": { "type": "RayMarch", "in": { "voxels": "voxelize.voxels", "light": "radiosity.light" },
                "params": { "probes": 6, "rays": 256 } },
     "bounce": { "type": "GatherVolume", "in": { "surface": "gbuffer.surface", "volume": "march.volume" } } },
   "outputs": { "image": "bounce.irradiance" })"),
-                                 "image", {.size = {16, 16}})
-                          .mean();
-  EXPECT_NEAR(e.x, pi * albedo * (1 + albedo), .02 * pi * albedo * (1 + albedo));
+                   "image", {.size = {16, 16}, .set = {{"march", "emitter", emitter ? "true" : "false"}}})
+            .mean();
+    const double expected = pi * ((emitter ? 1 : 0) + albedo * (1 + albedo));
+    EXPECT_NEAR(e.x, expected, .02 * expected) << emitter;
+  }
 }
 
 // Probes that look up the voxels' light: the same furnace, all orders at once.
@@ -134,16 +138,19 @@ TEST_F(CheapEndsTest, ConesInAFurnace) {
   Bench bench(*device_, furnace(albedo));
   bench.look({.4, .1, -.3}, {-.8, -.4, .9}, .5);
   const double expected = pi * albedo * (1 + albedo);
-  for (const char* cones : {"32", "128"}) {
-    const glm::vec4 e = bench
-                            .image(furnace_pipeline(R"(
+  const std::string cone_pipeline = furnace_pipeline(R"(
     "march": { "type": "RayMarch", "in": { "surface": "gbuffer.surface", "voxels": "voxelize.voxels",
                                            "light": "radiosity.light" }, "params": { "method": "cones" } } },
-  "outputs": { "image": "march.irradiance" })"),
-                                   "image", {.size = {16, 16}, .set = {{"march", "cones", cones}}})
-                            .mean();
+  "outputs": { "image": "march.irradiance" })");
+  for (const char* cones : {"32", "128"}) {
+    const glm::vec4 e =
+        bench.image(cone_pipeline, "image", {.size = {16, 16}, .set = {{"march", "cones", cones}}}).mean();
     EXPECT_LT(e.x, 1.02 * expected) << cones;
     EXPECT_GT(e.x, .7 * expected) << cones;
+    const BenchOptions with_emission{.size = {16, 16},
+                                     .set = {{"march", "cones", cones}, {"march", "emitter", "true"}}};
+    const double all = bench.image(cone_pipeline, "image", with_emission).mean().x;
+    EXPECT_NEAR(all / e.x, (expected + pi) / expected, .02 * all / e.x) << "emission is met as reflection is";
   }
 }
 

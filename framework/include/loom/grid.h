@@ -13,9 +13,12 @@
 
 namespace loom {
 
+/// `box`: the shorter sides have as many cells as they need; `cube`: as many as the longest.
+enum class GridShape { box, cube };
+
 /// Cubic cells around the scene's box, `n` along its longest side, with one empty cell at each end: no surface lies
-/// outside, and the two outermost faces of a wall at the border exist. The other sides have as many as they need.
-inline interop::Grid fit_grid(const SceneFacts& facts, int n) {
+/// outside, and the two outermost faces of a wall at the border exist.
+inline interop::Grid fit_grid(const SceneFacts& facts, int n, GridShape shape = GridShape::box) {
   const glm::dvec3 extent = facts.bounds_max - facts.bounds_min;
   const double longest = std::max({extent.x, extent.y, extent.z, 1e-30});
   const double s = n > 2 ? longest / (n - 2) : longest;
@@ -23,7 +26,8 @@ inline interop::Grid fit_grid(const SceneFacts& facts, int n) {
   glm::dvec3 cells;
   for (int axis = 0; axis < 3; ++axis) {
     // A ten-thousandth of a cell is no reason for one more.
-    cells[axis] = n > 2 ? std::clamp(std::ceil(extent[axis] / s - 1e-4) + 2., 3., static_cast<double>(n)) : n;
+    const bool fewer = shape == GridShape::box && n > 2;
+    cells[axis] = fewer ? std::clamp(std::ceil(extent[axis] / s - 1e-4) + 2., 3., static_cast<double>(n)) : n;
     grid.cells[axis] = static_cast<int>(cells[axis]);
   }
   grid.cells.w = 1;
