@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <ctime>
 #include <memory>
 #include <span>
@@ -149,12 +148,3 @@ BENCHMARK(inject_atomics)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(inject_points)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
-
-int main(int argc, char** argv) {
-  std::string why;
-  if (!test::shared_context(why)) return std::fprintf(stderr, "%s\n", why.c_str()), 1;
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
-}

@@ -3,7 +3,6 @@
 #include <benchmark/benchmark.h>
 #include <epoxy/gl.h>
 
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <utility>
@@ -120,12 +119,3 @@ BENCHMARK(binding_passes)->Arg(10)->Arg(100)->Arg(1000)->Unit(benchmark::kMicros
 BENCHMARK(bare_gl_calls)->Arg(10)->Arg(100)->Arg(1000)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-
-int main(int argc, char** argv) {
-  std::string why;
-  if (!test::shared_context(why)) return std::fprintf(stderr, "%s\n", why.c_str()), 1;
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
-}

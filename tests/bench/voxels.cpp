@@ -2,7 +2,6 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
-#include <cstdio>
 #include <ctime>
 #include <memory>
 #include <string>
@@ -105,12 +104,3 @@ BENCHMARK(march)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-
-int main(int argc, char** argv) {
-  std::string why;
-  if (!test::shared_context(why)) return std::fprintf(stderr, "%s\n", why.c_str()), 1;
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
-}
