@@ -7,8 +7,6 @@
 // Nothing is culled; masked materials are cut by their alpha; the back of a single-sided face does not emit. The bundle
 // struct is the camera, its sub-pixel shift included.
 #include <array>
-#include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -16,6 +14,7 @@
 
 #include "interop/camera.h"
 #include "loom/facts.h"
+#include "loom/fingerprint.h"
 #include "loom/formats.h"
 #include "loom/frame.h"
 #include "loom/gpu.h"
@@ -45,13 +44,6 @@ constexpr std::array<Member, 5> members{{
     {"surface.albedo", "albedo", Format::rgba16f, "ALBEDO"},
     {"surface.emission", "emission", Format::rgba32f, "EMISSION"},
 }};
-
-// FNV-1a.
-std::uint64_t hash_bytes(std::uint64_t hash, const void* data, std::size_t bytes) {
-  const auto* p = static_cast<const unsigned char*>(data);
-  for (std::size_t i = 0; i < bytes; ++i) hash = (hash ^ p[i]) * 0x100000001b3U;
-  return hash;
-}
 
 class GBuffer final : public Pass {
  public:
@@ -97,9 +89,7 @@ class GBuffer final : public Pass {
   }
 
   [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {
-    const std::uint64_t version = frame.scene().geometry_version();
-    return hash_bytes(hash_bytes(0xcbf29ce484222325U, &frame.camera(), sizeof(interop::Camera)), &version,
-                      sizeof(version));
+    return mix_in(frame.scene().geometry_version(), frame.camera());
   }
 
  private:

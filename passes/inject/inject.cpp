@@ -1,4 +1,4 @@
-// Inject: what surfaces reflect becomes flux in a grid, and what lights and camera see becomes blockers.
+// Inject: what surfaces reflect becomes flux in a grid, and what lights, camera and other views see becomes blockers.
 //
 // Every texel of a reflective shadow map is a Lambertian emitter of flux Φ [W] about its normal n:
 //   I(ω) += Φ/π·⟨n,ω⟩₊, as two-band SH (.886227, 1.023327·n)·Φ/π, in the cell half a cell off the surface.
@@ -6,12 +6,15 @@
 // that reflects is injected in the same way. So the flux holds light after exactly one reflection; the way to that
 // surface is DirectLight's and AreaLight's, and nothing is counted twice. Every texel and every pixel is a surface
 // element of area A that blocks the cell face nearest to it along each axis e:
-//   B_e = min(1, Σ A·|⟨n,e⟩|/s²),
-// or, as the lecture has it, by direction of travel at the corners of cells: B(ω) = Σ A/s²·⟨n,−ω⟩₊ as SH.
+//   B_e = min(1, Σ A·|⟨n,e⟩|/s²).
+// So is every point of a geometry image: the surface itself (`samples`), further views of it (`views`) and cubemaps
+// (`environment`). Such points may bring the light that they reflect too, in place of the lights' maps.
+// As the lecture has it, blockers go by direction of travel at the corners of cells: B(ω) = Σ A/s²·⟨n,−ω⟩₊ as SH.
 //
 // `compute` sums in fixed point, with a scale derived from each source's own power: order-independent, and 1 W beside
 // 1e8 W keeps its digits, since each source is resolved to float before the next. `points` draws every element as a
 // point into a layer of the volumes and lets blending add up in 32-bit float.
+#include "loom/fingerprint.h"
 #include "loom/grid.h"
 #include "loom/plugin.h"
 
@@ -51,6 +54,9 @@ constexpr std::size_t hit_bytes = 48;
 constexpr int row = 4096;
 glm::ivec3 in_rows(int elements) { return {row, (elements + row - 1) / row, 1}; }
 
+/// Inputs of type GeometryImage.
+constexpr std::array<std::string_view, 3> point_inputs{"samples", "views", "environment"};
+
 class Inject final : public Pass {
  public:
   void params(Params& p) override {
@@ -86,7 +92,8 @@ class Inject final : public Pass {
     emitters_ = facts.emissive_triangles > 0 && emission_rays_ > 0;
     sky_ = (facts.sky || !ports.rule("no-emission")) && emission_rays_ > 0;  // a black sky adds nothing
     lit_ = !lights.absent();
-    if (!lit_ && !emitters_ && !sky_) {
+    const bool lit_points = declare_points(ports);
+    if (!lit_ && !lit_points && !emitters_ && !sky_) {
       const std::string why = lights.connected() ? lights.why_absent() : "no lights are wired";
       flux.absent(why + ", and no emission is traced");
       return blockers.absent(why + ", and no emission is traced");
@@ -103,6 +110,7 @@ class Inject final : public Pass {
     scene_defines_ = scene_defines(facts);
     declare(ports, flux, blockers);
     retrace_ = facts.moves || !ports.rule("static");
+    if (!facts.moves) ports.keep_outputs();
     ports.decide("bounds", std::to_string(grid_) + "³ cells of " + std::to_string(coarsest_.cascade[0].w) + " m",
                  "longest side of the scene's box");
     if (!emitters_ && !sky_) ports.decide("no-emission", "no emission is traced", "no emissive triangle, black sky");
@@ -116,25 +124,37 @@ class Inject final : public Pass {
                                                 {"DIRECTIONAL", has("blockers.directional")}};
     const std::vector<Define> which_channels = {
         {"RED", has("flux.red")}, {"GREEN", has("flux.green")}, {"BLUE", has("flux.blue")}};
-    const auto source = [&](const char* from) {
+    const auto source = [&](const std::vector<Define>& from, bool blocks, bool shines = true) {
       auto defines = which_blockers;
-      defines.emplace_back("SOURCE", from);
-      defines.emplace_back("FLUX", flag(method_ == "compute"));
-      Source programs{.compute = device.program({.files = {"inject/flux.comp"}, .defines = defines})};
-      if (method_ == "points") {
-        programs.points = device.program({.files = {"inject/points.vert", "inject/points.geom", "inject/points.frag"},
-                                          .defines = {{"SOURCE", from}}});
+      defines.insert(defines.end(), from.begin(), from.end());
+      defines.emplace_back("FLUX", flag(shines && method_ == "compute"));
+      Source programs{.compute = device.program({.files = {"inject/flux.comp"}, .defines = defines}),
+                      .blocks = blocks && blocks_,
+                      .shines = shines};
+      if (shines && method_ == "points") {
+        programs.points = device.program(
+            {.files = {"inject/points.vert", "inject/points.geom", "inject/points.frag"}, .defines = from});
       }
+      if (shines && method_ == "compute")
+        programs.scale = device.program({.files = {"inject/scale.comp"}, .defines = from});
       return programs;
     };
-    if (lit_) light_ = source("FROM_LIGHT");
+    if (lit_) light_ = source({{"SOURCE", "FROM_LIGHT"}}, true);
+    for (PointSource& points : points_) {
+      std::vector<Define> from{{"SOURCE", "FROM_POINTS"}};
+      for (const auto& [define, member] :
+           {std::pair("IMAGE_POSITION", "_position"), std::pair("IMAGE_NORMAL", "_normal"),
+            std::pair("IMAGE_ALBEDO", "_albedo"), std::pair("IMAGE_FLUX", "_flux")}) {
+        if (points.lit || member != std::string_view("_flux")) from.emplace_back(define, points.input + member);
+      }
+      points.source = source(from, true, points.lit);
+    }
     if (emitters_ || sky_) {
-      hits_ = source("FROM_EMISSION");
+      hits_ = source({{"SOURCE", "FROM_EMISSION"}}, false);
       auto defines = scene_defines_;
       defines.emplace_back("EMITTERS", flag(emitters_));
       defines.emplace_back("SKY", flag(sky_));
       trace_ = device.program({.files = {"inject/emission.comp"}, .defines = defines});
-      scale_ = device.program({.files = {"inject/emission_scale.comp"}});
       traced_.reset();
     }
     if (method_ == "compute") {
@@ -153,6 +173,7 @@ class Inject final : public Pass {
     if (emitters_ || sky_) trace_emission(frame, bindings);
     for (int cascade = 0; cascade < cascades_; ++cascade) {
       if (lit_) inject_lights(frame, bindings, cascade);
+      for (const PointSource& points : points_) inject_points(frame, bindings, points, cascade);
       if (emitters_ || sky_) inject_emission(frame, bindings, cascade);
       if (blocks_ && !bindings.absent("surface")) {
         clear_sums(bindings);
@@ -164,10 +185,46 @@ class Inject final : public Pass {
     }
   }
 
+  /// What comes over the wires, the camera's surface too, is the executor's to watch.
+  [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {
+    return mix_in(scene_version(frame.scene(), frame.info().seed),
+                  inject::place_cascades(coarsest_, cascades_, frame.camera()));
+  }
+
  private:
   struct Source {
-    std::shared_ptr<const Program> compute, points;  ///< points is null where atomics sum the flux
+    /// `points` is null where atomics sum the flux, `scale` where they do not.
+    std::shared_ptr<const Program> compute, points, scale;
+    bool blocks = false, shines = false;
   };
+  /// A geometry image.
+  struct PointSource {
+    std::string input;
+    int buffers = 1;   ///< groups of layers that may see one surface again
+    bool lit = false;  ///< it brings flux
+    Source source;
+  };
+
+  /// True where any of them brings light.
+  bool declare_points(Ports& ports) {
+    points_.clear();
+    int lit = 0;
+    for (const std::string_view name : point_inputs) {
+      auto input = ports.in(name, "GeometryImage").optional();
+      input.reads("position").reads("normal").reads("albedo").reads("flux");
+      if (input.absent() || input.texture("position") == nullptr) continue;
+      points_.push_back({.input = std::string(name),
+                         .buffers = std::max(1, input.attribute("buffers", 1)),
+                         .lit = input.texture("flux") != nullptr});
+      lit += points_.back().lit ? 1 : 0;
+    }
+    if (lit + (lit_ ? 1 : 0) > 1) {
+      ports.error("counted-twice",
+                  "more than one input brings the light that surfaces reflect straight from the lights",
+                  "wire `lights` to Inject, or to one of the passes that make its points");
+    }
+    return lit > 0;
+  }
 
   void declare(Ports& ports, OutputPort& flux, OutputPort& blockers) const {
     const auto volume = [&](Format format, Filter filter, int slabs) {
@@ -203,8 +260,7 @@ class Inject final : public Pass {
 
   /// Where nothing has changed since, the rays of an earlier frame stand.
   void trace_emission(Frame& frame, const Bindings& bindings) {
-    const Version now{frame.scene().geometry_version(), frame.scene().lights_version(), frame.info().seed,
-                      frame.scene().sky_radiance()};
+    const std::uint64_t now = scene_version(frame.scene(), frame.info().seed);
     const bool after_reset = frame.info().index == 0 && frame.info().sample == 0;
     if (!retrace_ && !after_reset && traced_ == now) return;
     trace_->set("scene_centre", scene_centre_);
@@ -229,11 +285,27 @@ class Inject final : public Pass {
   }
 
   void inject_emission(Frame& frame, const Bindings& bindings, int cascade) const {
-    if (method_ == "compute") {
-      frame.dispatch(*scale_, bindings, {1, 1, 1});
-      frame.barrier();
-    }
+    measure_scale(frame, bindings, hits_, static_cast<int>(hits()));
     add(frame, bindings, hits_, cascade, static_cast<int>(hits()));
+  }
+
+  void inject_points(Frame& frame, const Bindings& bindings, const PointSource& points, int cascade) const {
+    const TextureDesc& desc = bindings.texture(points.input + ".position").desc();
+    const int layers = desc.depth / points.buffers, elements = layers * desc.width * desc.height;
+    for (int buffer = 0; buffer < points.buffers; ++buffer) {
+      for (const auto& program : {points.source.compute, points.source.points, points.source.scale}) {
+        if (program) program->set("first_layer", buffer * layers);
+      }
+      measure_scale(frame, bindings, points.source, elements);
+      add(frame, bindings, points.source, cascade, elements);
+    }
+  }
+
+  static void measure_scale(Frame& frame, const Bindings& bindings, const Source& source, int elements) {
+    if (!source.scale) return;
+    source.scale->set("elements", elements);
+    frame.dispatch(*source.scale, bindings, {1, 1, 1});
+    frame.barrier();
   }
 
   static void clear_sums(const Bindings& bindings) {
@@ -247,7 +319,7 @@ class Inject final : public Pass {
     clear_sums(bindings);
     source.compute->set("cascade", cascade);
     source.compute->set("elements", elements);
-    if (method_ == "compute" || blocks_) {
+    if (source.blocks || (source.shines && !source.points)) {
       frame.dispatch(*source.compute, bindings, in_rows(elements));
       frame.barrier();
     }
@@ -257,11 +329,11 @@ class Inject final : public Pass {
       frame.continue_raster(bindings, flux_members);
       for (int i = 0; i < 3; ++i) frame.blend(i, Blend::add);
       frame.points(*source.points, bindings, elements);
-    } else {
+    } else if (source.shines) {
       resolve_flux_->set("cascade", cascade);
       frame.dispatch(*resolve_flux_, bindings, glm::ivec3(coarsest_.cells));
     }
-    if (blocks_ && &source == &light_) resolve_blockers(frame, bindings, cascade);
+    if (source.blocks) resolve_blockers(frame, bindings, cascade);
     frame.barrier();
   }
 
@@ -282,13 +354,6 @@ class Inject final : public Pass {
     return power > 0 ? 0x1p30 / (power * 1.0234 / pi) : 0;
   }
 
-  struct Version {
-    std::uint64_t geometry, lights;
-    std::uint32_t seed;
-    glm::vec3 sky;
-    bool operator==(const Version&) const = default;
-  };
-
   int grid_ = 32, cascades_ = 1, emission_rays_ = 65536;
   std::string method_ = "compute";
   interop::Grid coarsest_{};
@@ -296,10 +361,11 @@ class Inject final : public Pass {
   float scene_radius_ = 0;
   std::vector<Define> scene_defines_;
   bool lit_ = false, emitters_ = false, sky_ = false, blocks_ = false;
-  bool retrace_ = false;           // every frame
-  std::optional<Version> traced_;  // the state of the scene that persistent.emission holds
+  bool retrace_ = false;                 // every frame
+  std::optional<std::uint64_t> traced_;  // the state of the scene that persistent.emission holds
   Source light_, hits_;
-  std::shared_ptr<const Program> camera_, trace_, scale_, resolve_flux_, resolve_blockers_;
+  std::vector<PointSource> points_;
+  std::shared_ptr<const Program> camera_, trace_, resolve_flux_, resolve_blockers_;
 };
 
 }  // namespace

@@ -32,6 +32,7 @@
 #include <glm/vec4.hpp>
 
 #include "interop/probes.h"
+#include "loom/fingerprint.h"
 #include "loom/plugin.h"
 #include "probe_grid.h"
 #include "texel_weights.h"
@@ -271,11 +272,8 @@ class RadianceField final : public Pass {
     return true;
   }
 
-  /// Both versions count changes of one scene, so that their pair names its state. The seed places the rays.
-  static std::uint64_t versions(const Frame& frame) {
-    const std::uint64_t lights = frame.scene().lights_version() ^ std::uint64_t{frame.info().seed} << 32;
-    return frame.scene().geometry_version() * 0x9e3779b97f4a7c15u ^ lights;
-  }
+  /// The seed places the rays.
+  static std::uint64_t versions(const Frame& frame) { return scene_version(frame.scene(), frame.info().seed); }
 
   /// From when on the field of a still scene has to be renewed; after a reset, frames count from 0 again.
   void note_changes(const Frame& frame) {

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,6 +19,7 @@
 
 #include "interop/light.h"
 #include "light_faces.h"
+#include "loom/fingerprint.h"
 #include "loom/plugin.h"
 
 namespace {
@@ -131,10 +131,7 @@ class RSM final : public Pass {
     }
   }
 
-  [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {
-    // Both count changes of one scene, so that their pair names its state.
-    return frame.scene().geometry_version() * 0x9e3779b97f4a7c15u ^ frame.scene().lights_version();
-  }
+  [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override { return scene_version(frame.scene()); }
 
  private:
   [[nodiscard]] std::size_t face_bytes() const { return static_cast<std::size_t>(faces_) * sizeof(interop::LightFace); }

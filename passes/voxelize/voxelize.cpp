@@ -11,7 +11,6 @@
 // maps where `lights` are wired and rays through the voxels where not.
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -20,6 +19,7 @@
 #include <glm/vec3.hpp>
 
 #include "interop/grid.h"
+#include "loom/fingerprint.h"
 #include "loom/grid.h"
 #include "loom/plugin.h"
 
@@ -121,9 +121,7 @@ class Voxelize final : public Pass {
   }
 
   [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {
-    // Both versions count changes of one scene, so that their pair names its state; the seed places the rays.
-    const std::uint64_t lights = frame.scene().lights_version() ^ std::uint64_t{frame.info().seed} << 32;
-    return frame.scene().geometry_version() * 0x9e3779b97f4a7c15u ^ lights;
+    return scene_version(frame.scene(), frame.info().seed);  // the seed places the rays
   }
 
  private:

@@ -1,9 +1,11 @@
-// The surface elements that send light: SOURCE says from where.
+// The surface elements that send light or block it: SOURCE says from where.
 //   FROM_LIGHT     the texels of one light's reflective shadow map
 //   FROM_EMISSION  where light of emitters and sky first meets a surface (emission.comp)
+//   FROM_POINTS    the texels of a geometry image, whose members are called IMAGE_POSITION, IMAGE_NORMAL, IMAGE_ALBEDO and IMAGE_FLUX
 // Each is a small Lambertian emitter of the flux Φ that it reflects; a texel has an area A = r²·ω_texel/<n,−l> too.
 #define FROM_LIGHT 0
 #define FROM_EMISSION 1
+#define FROM_POINTS 2
 
 struct Surfel {
   vec3 position, normal, flux;
@@ -42,6 +44,32 @@ bool read_surfel(int index, out Surfel surfel) {
   float facing_area = is_directional(face) ? measure : depth * depth * measure;
   float cosine = dot(surfel.normal, -direction);
   if (cosine > 0.0) surfel.area = facing_area / cosine;
+  return true;
+}
+#elif SOURCE == FROM_POINTS
+uniform sampler2DArray IMAGE_POSITION;
+uniform sampler2DArray IMAGE_NORMAL;
+uniform sampler2DArray IMAGE_ALBEDO;
+#ifdef IMAGE_FLUX
+uniform sampler2DArray IMAGE_FLUX;
+#endif
+uniform int first_layer;
+
+bool read_surfel(int index, out Surfel surfel) {
+  ivec2 size = textureSize(IMAGE_POSITION, 0).xy;
+  int row = index / size.x;
+  ivec3 texel = ivec3(index - row * size.x, row % size.y, first_layer + row / size.y);
+  surfel = Surfel(vec3(0), vec3(0), vec3(0), 0.0, vec3(0));
+  if (texel.z >= textureSize(IMAGE_POSITION, 0).z) return false;
+  vec4 position = texelFetch(IMAGE_POSITION, texel, 0);
+  if (!(position.a > 0.0)) return false;
+  surfel.position = position.xyz;
+  surfel.area = position.a;
+  surfel.normal = normalize(texelFetch(IMAGE_NORMAL, texel, 0).xyz);
+  surfel.albedo = texelFetch(IMAGE_ALBEDO, texel, 0).rgb;
+#ifdef IMAGE_FLUX
+  surfel.flux = texelFetch(IMAGE_FLUX, texel, 0).rgb;
+#endif
   return true;
 }
 #else

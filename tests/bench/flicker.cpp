@@ -122,6 +122,7 @@ int main(int argc, char** argv) {
     pipelines = {"rsm",
                  "lpv",
                  "lpv-cascaded",
+                 "lpv-surface",
                  "lpv-voxel",
                  "radiance-field",
                  "radiance-field-voxel",

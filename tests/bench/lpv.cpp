@@ -133,7 +133,9 @@ void inject(benchmark::State& state, const std::string& method) {
   renderer->render(*gpu_scene, interop::Camera{}, {.index = index++});
   for (auto _ : state) {
     const std::clock_t start = std::clock();
-    renderer->render(*gpu_scene, interop::Camera{}, {.index = index++});
+    // Another seed: Inject runs anew.
+    renderer->render(*gpu_scene, interop::Camera{}, {.index = index, .seed = static_cast<std::uint32_t>(index)});
+    ++index;
     state.SetIterationTime(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   }
 }

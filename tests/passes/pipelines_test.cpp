@@ -83,8 +83,9 @@ TEST_P(Pipelines, AStillSceneKeepsWhatItHas) {
 
 INSTANTIATE_TEST_SUITE_P(Shipped, Pipelines,
                          ::testing::Values("direct", "area", "rsm", "rsm-denoised", "lpv", "lpv-cascaded-fast",
-                                           "lpv-voxel", "ray-march-fast", "ray-march-probes-fast", "cone-trace-fast",
-                                           "radiance-field-fast", "radiance-field-voxel-fast", "gbuffer"),
+                                           "lpv-surface", "lpv-voxel", "ray-march-fast", "ray-march-probes-fast",
+                                           "cone-trace-fast", "radiance-field-fast", "radiance-field-voxel-fast",
+                                           "gbuffer"),
                          [](const auto& parameter) {
                            std::string name = parameter.param;
                            std::replace(name.begin(), name.end(), '-', '_');

@@ -51,6 +51,7 @@ struct Promise {
 constexpr Promise promises[] = {{"lpv-fast", .6, 1.4, .5},
                                 {"lpv", .6, 1.4, .5},
                                 {"lpv-cascaded-accurate", .7, 1.3, .5},
+                                {"lpv-surface", .6, 1.4, .5},
                                 {"lpv-voxel", .6, 1.4, .5},
                                 {"ray-march", .85, 1.15, .2},
                                 {"ray-march-probes", .85, 1.15, .2},
