@@ -169,6 +169,20 @@ TEST_F(InjectedPoints, OfWhatNoLightSeesBlock) {
   EXPECT_GT(least(points_pipeline("environment", false, lights), 2, {{"points", "from", "cube"}}), .9F);
 }
 
+TEST_F(InjectedPoints, OutliveAMoveOfTheCamera) {
+  Bench bench(*device_, lit_room());
+  const auto kept = [&](const char* pipeline) {
+    bench.look({-1, 0, -2}, {2, -1, 2}, .5);
+    bench.render(pipeline, {.size = {16, 16}});
+    bench.look({-2, 1, -2}, {2, -1, 2}, .5);
+    bench.next_frame();
+    const auto passes = bench.renderer().kept_passes();
+    return std::count(passes.begin(), passes.end(), "inject") + std::count(passes.begin(), passes.end(), "lpv");
+  };
+  EXPECT_EQ(kept("lpv-surface.json"), 2);
+  EXPECT_EQ(kept("lpv.json"), 0);
+}
+
 TEST_F(InjectedPoints, BringNoLightTwice) {
   Bench bench(*device_, lit_room());
   try {
