@@ -33,8 +33,8 @@ struct LOOM_API BundleType {
   [[nodiscard]] const BundleMember* find(std::string_view member) const;
 };
 
-/// The types that every pipeline may use: Surface, LightLayers, GeometryImage, ShVolume, VoxelScene, ProbeField, VplSet,
-/// Irradiance, Image.
+/// The types that every pipeline may use: Surface, LightLayers, GeometryImage, ShVolume, VoxelScene, ProbeField,
+/// VplSet, Irradiance, Image.
 LOOM_API const std::vector<BundleType>& builtin_bundles();
 
 /// Known at reflect time and carried by the wire: `bands`, `channels`, `cascades`, `basis`, `buffers`, `quantity`.
