@@ -49,6 +49,7 @@ Json info_json(const LoadedScene& loaded) {
   document["alpha_mask"] = facts.alpha_mask;
   document["normal_maps"] = facts.normal_maps;
   document["moves"] = facts.moves;
+  document["moving_triangles"] = facts.moving_triangles;
   document["sky"] = vector_json(scene.sky);
   Json& lights = document["lights"] = Json::array();
   for (const scene::Light& light : scene.lights) {
@@ -87,8 +88,8 @@ void print_info(const LoadedScene& loaded) {
   std::printf("  albedo      at most %.3g, chroma at most %.3g\n", f.max_albedo, f.max_chroma);
   std::printf("  emission    %d triangles; sky (%g, %g, %g) W/(m2 sr)\n", f.emissive_triangles, scene.sky.r,
               scene.sky.g, scene.sky.b);
-  std::printf("  moves       %s (%zu animations, %zu skins)\n", yes(f.moves), scene.animations.size(),
-              scene.skins.size());
+  std::printf("  moves       %s (%zu animations, %zu skins), %zu triangles\n", yes(f.moves), scene.animations.size(),
+              scene.skins.size(), f.moving_triangles);
   for (const scene::Light& light : scene.lights) {
     std::printf("  light       %s %s at (%g, %g, %g), (%g, %g, %g) %s\n", name_of(light.kind), light.name.c_str(),
                 light.position.x, light.position.y, light.position.z, light.intensity.r, light.intensity.g,

@@ -105,4 +105,9 @@ void Buffer::clear() const {
   glClearNamedBufferSubData(name_, GL_R32UI, 0, static_cast<GLsizeiptr>(whole), GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
 }
 
+void Buffer::copy(const Buffer& from) const {
+  if (from.bytes_ < bytes_) throw Error("a buffer of fewer bytes cannot fill one of more");
+  if (bytes_ > 0) glCopyNamedBufferSubData(from.name_, name_, 0, 0, static_cast<GLsizeiptr>(bytes_));
+}
+
 }  // namespace loom

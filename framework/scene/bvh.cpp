@@ -186,7 +186,7 @@ Bvh build_bvh(const Scene& scene) {
 
   bvh.nodes.reserve(2 * triangles.size());
   bvh.triangles.reserve(triangles.size());
-  bvh.nodes.push_back({.lower = glm::vec4(glm::dvec4(world.min, 0)), .upper = glm::vec4(glm::dvec4(world.max, 0))});
+  bvh.nodes.push_back({.lower = glm::vec4(glm::dvec4(world.low, 0)), .upper = glm::vec4(glm::dvec4(world.high, 0))});
   flatten(*root, state, triangles, bvh);
   if (bvh.depth > BVH_STACK) throw Error("the BVH is deeper than the shaders' stack");
   return bvh;

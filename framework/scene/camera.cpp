@@ -51,7 +51,7 @@ glm::dmat4 view_of(const Frame& frame, glm::dvec3 eye) {
 /// Distance along `forward` from the eye to the farthest corner of the box.
 double farthest(const Box& box, const Camera& camera, glm::dvec3 forward) {
   if (box.empty()) return 0;
-  const glm::dvec3 corner = glm::mix(box.min, box.max, glm::greaterThan(forward, glm::dvec3(0)));
+  const glm::dvec3 corner = glm::mix(box.low, box.high, glm::greaterThan(forward, glm::dvec3(0)));
   return glm::dot(corner - camera.eye, forward);
 }
 

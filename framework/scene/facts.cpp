@@ -13,6 +13,7 @@
 
 #include "scene/bounds.h"
 #include "scene/load.h"
+#include "scene/motion.h"
 
 namespace loom::scene {
 namespace {
@@ -106,14 +107,9 @@ void count_lights(const Scene& scene, SceneFacts& facts) {
 }
 
 void measure(const Scene& scene, SceneFacts& facts) {
-  const std::vector<Box> boxes = instance_boxes(scene);
-  Box all;
-  for (const Box& box : boxes) {
-    if (box.empty()) continue;
-    all.add(box.low);
-    all.add(box.high);
-  }
+  const Box all = swept_box(scene);
   if (all.empty()) return;
+  const std::vector<Box> boxes = instance_boxes(scene);
   facts.bounds_min = all.low;
   facts.bounds_max = all.high;
   // A turned plane is not exactly flat: what is under a millionth of the scene counts as no extent.
@@ -138,12 +134,14 @@ SceneFacts compute_facts(const Scene& scene) {
   facts.max_chroma = std::max(facts.max_chroma, chroma(glm::dvec3(scene.sky)));
   const std::vector<MaterialReach> reaches = material_reaches(scene);
   std::vector<bool> used(scene.materials.size(), false);
-  for (const Instance& instance : scene.instances) {
-    for (const Primitive& p : scene.meshes[static_cast<std::size_t>(instance.mesh)].primitives) {
+  const std::vector<bool> moves = moving_instances(scene);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    for (const Primitive& p : scene.meshes[static_cast<std::size_t>(scene.instances[i].mesh)].primitives) {
       const auto index = static_cast<std::size_t>(p.material);
       const MaterialReach& reach = reaches[index];
       const std::size_t triangles = p.indices.size() / 3;
       facts.triangles += triangles;
+      if (moves[i]) facts.moving_triangles += triangles;
       used[index] = true;
       if (scene.materials[index].emissive != glm::vec3(0)) facts.emissive_triangles += static_cast<int>(triangles);
       facts.max_chroma = std::max(facts.max_chroma, chroma_of_product(reach.albedo.chroma, vertex_chroma(p)));
@@ -163,8 +161,7 @@ SceneFacts compute_facts(const Scene& scene) {
     facts.textures = facts.textures || m.base_color_texture.image >= 0 || m.metallic_roughness_texture.image >= 0 ||
                      m.normal_texture.image >= 0 || m.emissive_texture.image >= 0;
   }
-  const auto animated = [](const Animation& a) { return !a.channels.empty(); };
-  facts.moves = !scene.animations.empty() && animated(scene.animations.front());
+  facts.moves = is_animated(scene);
   measure(scene, facts);
   facts.content_hash = scene.content_hash;
   return facts;

@@ -113,23 +113,35 @@ class Geometry {
     }
   }
 
-  /// False where nothing moved.
-  bool update(const Scene& scene) {
-    bool moved = false;
+  struct Change {
+    bool any = false;
+    bool still = false;  ///< of something that no animation moves
+    void note(bool moves) {
+      any = true;
+      still = still || !moves;
+    }
+  };
+
+  Change update(const Scene& scene) {
+    Change change;
     std::vector<interop::Draw> records = draw_records(scene, packed_);
-    if (!same_bytes(records, records_)) {
-      moved = true;
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      if (std::memcmp(&records[i], &records_[i], sizeof(interop::Draw)) != 0) change.note(packed_.draws[i].moves);
+    }
+    if (change.any) {
       records_ = std::move(records);
       draws_->write(std::as_bytes(std::span(records_)));
     }
-    for (const PrimitiveRange& range : packed_.ranges) {
-      if (!range.primitive->joints.empty()) moved = update_skinned(range) || moved;
+    // A range that a skin moves is one instance's alone, and has one draw at most.
+    for (const DrawSource& draw : packed_.draws) {
+      const PrimitiveRange& range = packed_.ranges[draw.range];
+      if (!range.primitive->joints.empty() && update_skinned(range)) change.note(draw.moves);
     }
-    return moved;
+    return change;
   }
 
-  void draw(const Program& program, const Scene& scene, const MaterialTextures& textures, int instances,
-            Surfaces which) const {
+  void draw(const Program& program, const Scene& scene, const MaterialTextures& textures, int instances, Surfaces which,
+            Motion motion) const {
     if (!draws_ || instances < 1) return;
     glUseProgram(program.name());
     glDisable(GL_CULL_FACE);
@@ -149,6 +161,7 @@ class Geometry {
       const Material& material = scene.materials[static_cast<std::size_t>(batch.material)];
       const bool masked = material.alpha == AlphaMode::mask;
       if (which != Surfaces::all && masked != (which == Surfaces::masked)) continue;
+      if (motion != Motion::any && batch.moves != (motion == Motion::moving)) continue;
       for (const auto& [sampler, unit] : units) {
         const MaterialTextures::Binding binding = textures.binding(material.*sampler->ref, sampler->encoding);
         glBindTextureUnit(unit, binding.texture);
@@ -214,13 +227,16 @@ class GpuSceneImpl final : public GpuScene {
 
   void update() override {
     update_lights();
+    Geometry::Change change{.any = true, .still = true};
     if (scene_.instances.size() != instances_) {
       geometry_.emplace(scene_);
       instances_ = scene_.instances.size();
-    } else if (!geometry_->update(scene_)) {
-      return;
+    } else {
+      change = geometry_->update(scene_);
     }
+    if (!change.any) return;
     ++geometry_version_;
+    if (change.still) ++still_version_;
     emitters_.reset();
     bvh_.reset();
   }
@@ -232,8 +248,10 @@ class GpuSceneImpl final : public GpuScene {
   [[nodiscard]] std::uint64_t lights_version() const override { return lights_version_; }
   [[nodiscard]] const Scene* cpu_scene() const override { return &scene_; }
 
-  void draw(const Program& program, int instances, Surfaces which) const override {
-    geometry_->draw(program, scene_, textures_, instances, which);
+  [[nodiscard]] std::uint64_t still_version() const override { return still_version_; }
+
+  void draw(const Program& program, int instances, Surfaces which, Motion motion) const override {
+    geometry_->draw(program, scene_, textures_, instances, which, motion);
   }
 
   [[nodiscard]] const Buffer* buffer(std::string_view block) const override {
@@ -301,7 +319,7 @@ class GpuSceneImpl final : public GpuScene {
   std::vector<interop::Light> light_records_;
   std::optional<Buffer> lights_;
   glm::vec3 sky_{0};
-  std::uint64_t geometry_version_ = 1, lights_version_ = 0;
+  std::uint64_t geometry_version_ = 1, still_version_ = 1, lights_version_ = 0;
   mutable bool has_mean_albedo_ = false;
   mutable std::optional<std::optional<Buffer>> emitters_;  ///< outer: built; inner: there are any
   mutable std::optional<GpuBvh> bvh_;

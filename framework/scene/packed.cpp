@@ -12,6 +12,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 
+#include "scene/motion.h"
 #include "scene/world.h"
 
 namespace loom::scene {
@@ -77,9 +78,9 @@ void sort_into_batches(const Scene& scene, Packed& packed) {
   const auto material_of = [&](const DrawSource& draw) -> const Material& {
     return scene.materials[static_cast<std::size_t>(draw.material)];
   };
-  std::stable_sort(packed.draws.begin(), packed.draws.end(), [&](const DrawSource& a, const DrawSource& b) {
-    return texture_key(material_of(a)) < texture_key(material_of(b));
-  });
+  const auto key = [&](const DrawSource& draw) { return std::tuple(texture_key(material_of(draw)), draw.moves); };
+  std::stable_sort(packed.draws.begin(), packed.draws.end(),
+                   [&](const DrawSource& a, const DrawSource& b) { return key(a) < key(b); });
   for (std::size_t i = 0; i < packed.draws.size(); ++i) {
     const DrawSource& draw = packed.draws[i];
     const PrimitiveRange& range = packed.ranges[draw.range];
@@ -87,8 +88,8 @@ void sort_into_batches(const Scene& scene, Packed& packed) {
                                .first_index = static_cast<std::uint32_t>(range.first_index),
                                .base_vertex = static_cast<std::int32_t>(range.first_vertex),
                                .base_instance = static_cast<std::uint32_t>(i)});
-    if (i == 0 || texture_key(material_of(packed.draws[i - 1])) != texture_key(material_of(draw))) {
-      packed.batches.push_back({.material = draw.material, .first = i});
+    if (i == 0 || key(packed.draws[i - 1]) != key(draw)) {
+      packed.batches.push_back({.material = draw.material, .moves = draw.moves, .first = i});
     }
     ++packed.batches.back().count;
   }
@@ -122,12 +123,14 @@ Packed pack(const Scene& scene) {
     std::copy_n(range.primitive->indices.begin(), range.primitive->indices.size() / 3 * 3,
                 packed.indices.begin() + static_cast<std::ptrdiff_t>(range.first_index));
   }
+  const std::vector<bool> moves = moving_instances(scene);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const auto mesh = static_cast<std::size_t>(scene.instances[i].mesh);
     for (std::size_t p = 0; p < scene.meshes[mesh].primitives.size(); ++p) {
       const Primitive& primitive = scene.meshes[mesh].primitives[p];
       if (primitive.indices.size() < 3) continue;
-      packed.draws.push_back({.instance = i, .range = range_of[mesh] + p, .material = primitive.material});
+      packed.draws.push_back(
+          {.instance = i, .range = range_of[mesh] + p, .material = primitive.material, .moves = moves[i]});
     }
   }
   sort_into_batches(scene, packed);

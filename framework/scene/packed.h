@@ -40,11 +40,13 @@ struct DrawSource {
   std::size_t instance = 0;
   std::size_t range = 0;  ///< index into Packed::ranges
   int material = 0;
+  bool moves = false;  ///< the animation can move it
 };
 
-/// Consecutive draws that bind the same textures.
+/// Consecutive draws that bind the same textures and either can all move or cannot.
 struct Batch {
   int material = 0;  ///< whose textures they are
+  bool moves = false;
   std::size_t first = 0, count = 0;
 };
 

@@ -14,6 +14,7 @@
 #include <glm/vec4.hpp>
 
 #include "loom/export.h"
+#include "scene/bounds.h"
 #include "scene/scene.h"
 
 namespace loom::scene {
@@ -58,18 +59,7 @@ void for_each_triangle(const Scene& scene, Visit&& visit) {
   }
 }
 
-/// World box, metres. Empty (min > max) where there is no geometry.
-struct Box {
-  glm::dvec3 min{std::numeric_limits<double>::infinity()};
-  glm::dvec3 max{-std::numeric_limits<double>::infinity()};
-
-  [[nodiscard]] bool empty() const { return !(min.x <= max.x); }
-  [[nodiscard]] double diagonal() const { return empty() ? 0 : glm::length(max - min); }
-  void add(glm::dvec3 point) {
-    min = glm::min(min, point);
-    max = glm::max(max, point);
-  }
-};
+/// The box of all triangles, metres.
 LOOM_API Box world_box(const Scene& scene);
 
 }  // namespace loom::scene

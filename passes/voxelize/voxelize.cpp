@@ -9,9 +9,13 @@
 //
 // Every side of every sheet is then lit: radiance after one reflection, L = ρ/π·(E_direct + E_emitter), with shadow
 // maps where `lights` are wired and rays through the voxels where not.
+//
+// What no animation moves is added up once: each frame starts from those sums and adds what can move. Sums are
+// integers, so that the result is the same to the bit.
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,14 +76,8 @@ class Voxelize final : public Pass {
 
     // The raster has no picture; its size is that of a target.
     ports.scratch("raster", TextureDesc::image({raster_size(), raster_size()}, Format::r8), Access::color);
-    const std::size_t cells = static_cast<std::size_t>(grid_block_.cells.x) * grid_block_.cells.y * grid_block_.cells.z;
-    const int rows = sum_rows + (emits() ? emission_rows : 0);
-    ports.scratch("sums", BufferDesc{.bytes = 3 * cells * rows * sizeof(std::int32_t)});
     if (!emits()) ports.decide("no-emission", "no emission in the voxels", "no surface emits");
-    if (!facts.moves && ports.rule("static")) {
-      ports.keep_outputs();
-      ports.decide("static", "voxelized and lit once", "nothing in the scene moves");
-    }
+    reflect_sums(ports);
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
@@ -88,11 +86,21 @@ class Voxelize final : public Pass {
     const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows)},
                                      {"EMISSION", emission_ ? "1" : "0"},
                                      {"BINARY", occupancy_ == "binary" ? "1" : "0"}};
-    auto defines = scene_defines(facts_);
-    defines.insert(defines.end(), layout.begin(), layout.end());
-    voxelize_ = device.program(
-        {.files = {"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/voxelize.frag"}, .defines = defines});
-    resolve_ = device.program({.files = {"voxelize/resolve.comp"}, .defines = layout});
+    const auto scene = scene_defines(facts_);
+    const auto into = [&](const char* sums, std::vector<Define> defines) {
+      defines.insert(defines.end(), layout.begin(), layout.end());
+      defines.emplace_back("SUMS", sums);
+      return defines;
+    };
+    const auto drawing = [&](const char* sums) {
+      return device.program({.files = {"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/voxelize.frag"},
+                             .defines = into(sums, scene)});
+    };
+    still_ = keeps_still_ ? drawing("persistent_still") : nullptr;
+    voxelize_ = draws_moving() ? drawing("scratch_sums") : nullptr;
+    resolve_ = device.program({.files = {"voxelize/resolve.comp"},
+                               .defines = into(draws_moving() ? "scratch_sums" : "persistent_still", {})});
+    still_sums_of_.reset();
     light_ = nullptr;
     if (bindings.has("voxels.radiance")) {
       light_ = device.program({.files = {"voxelize/light.comp"},
@@ -104,15 +112,13 @@ class Voxelize final : public Pass {
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
-    static constexpr std::string_view raster = "scratch.raster";
     bindings.publish("voxels", grid_block_);
-    bindings.buffer("scratch.sums").clear();
-    frame.begin_raster(bindings, {&raster, 1});
-    voxelize_->set("raster_size", static_cast<float>(raster_size()));
-    if (emission_) voxelize_->set("inverse_max_emission", static_cast<float>(1 / facts_.max_emission));
-    frame.bind(*voxelize_, bindings);
-    frame.scene().draw(*voxelize_);
-    frame.barrier();
+    if (keeps_still_) add_still(frame, bindings);
+    if (draws_moving()) {
+      const Buffer& sums = bindings.buffer("scratch.sums");
+      keeps_still_ ? sums.copy(bindings.buffer("persistent.still")) : sums.clear();
+      add(frame, bindings, *voxelize_, keeps_still_ ? Motion::moving : Motion::any);
+    }
     if (emission_) resolve_->set("max_emission", static_cast<float>(facts_.max_emission));
     const glm::ivec3 cells(grid_block_.cells);
     frame.dispatch(*resolve_, bindings, cells);
@@ -125,6 +131,47 @@ class Voxelize final : public Pass {
   }
 
  private:
+  /// What moves is known here; what has moved since, when a frame runs.
+  void reflect_sums(Ports& ports) {
+    const bool rule = ports.rule("static");
+    keeps_still_ = facts_.moves && facts_.moving_triangles < facts_.triangles && rule;
+    const std::size_t cells = static_cast<std::size_t>(grid_block_.cells.x) * grid_block_.cells.y * grid_block_.cells.z;
+    const int rows = sum_rows + (emits() ? emission_rows : 0);
+    const BufferDesc sums{.bytes = 3 * cells * rows * sizeof(std::int32_t)};
+    if (draws_moving()) ports.scratch("sums", sums);
+    if (keeps_still_) {
+      ports.persistent("still", sums);
+      ports.decide(
+          "static", "what stands still is voxelized once",
+          std::to_string(facts_.moving_triangles) + " of " + std::to_string(facts_.triangles) + " triangles move");
+    } else if (!facts_.moves && rule) {
+      ports.keep_outputs();
+      ports.decide("static", "voxelized and lit once", "nothing in the scene moves");
+    }
+  }
+
+  /// Adds surfaces to the sums.
+  void add(Frame& frame, const Bindings& bindings, const Program& program, Motion motion) const {
+    static constexpr std::string_view raster = "scratch.raster";
+    frame.begin_raster(bindings, {&raster, 1});
+    program.set("raster_size", static_cast<float>(raster_size()));
+    if (emission_) program.set("inverse_max_emission", static_cast<float>(1 / facts_.max_emission));
+    frame.bind(program, bindings);
+    frame.scene().draw(program, 1, Surfaces::all, motion);
+    frame.barrier();
+  }
+
+  /// The sums of what stands still, where they are not those of an earlier frame.
+  void add_still(Frame& frame, const Bindings& bindings) {
+    const bool after_reset = frame.info().index == 0 && frame.info().sample == 0;
+    const std::uint64_t now = frame.scene().still_version();
+    if (!after_reset && still_sums_of_ == now) return;
+    bindings.buffer("persistent.still").clear();
+    add(frame, bindings, *still_, Motion::still);
+    still_sums_of_ = now;
+  }
+
+  [[nodiscard]] bool draws_moving() const { return !keeps_still_ || facts_.moving_triangles > 0; }
   [[nodiscard]] bool emits() const { return facts_.emissive_triangles > 0 && facts_.max_emission > 0; }
   [[nodiscard]] int raster_size() const {
     return std::max({grid_block_.cells.x, grid_block_.cells.y, grid_block_.cells.z});
@@ -133,9 +180,11 @@ class Voxelize final : public Pass {
   int grid_ = 32, rays_ = 32;
   std::string occupancy_ = "share";
   bool shadow_maps_ = false, emission_ = false;
+  bool keeps_still_ = false;                    // persistent.still holds the sums of what no animation moves
+  std::optional<std::uint64_t> still_sums_of_;  // the still_version() that it holds
   SceneFacts facts_;
   interop::Grid grid_block_{};
-  std::shared_ptr<const Program> voxelize_, resolve_, light_;
+  std::shared_ptr<const Program> still_, voxelize_, resolve_, light_;
 };
 
 }  // namespace

@@ -15,7 +15,8 @@ const int ROW_BOX = 7;       // largest 255·(1−p), then 255·p, p from the ce
 const int ROW_SIDE = 13;     // of the positive and the negative side: Σ w, Σ w·(c − centre), Σ w·albedo
 const int SIDE_ROWS = 7;
 const int ROW_EMISSION = 27;  // of both sides: Σ w·L/L_max
-layout(std430) buffer scratch_sums { int sums[]; };
+// SUMS: whose they are, scratch_sums or persistent_still.
+layout(std430) buffer SUMS { int sums[]; };
 
 // Units of a cell face. A cell may hold 500 times its face before a sum wraps.
 const float FIXED = 4194304.;

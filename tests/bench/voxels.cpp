@@ -36,14 +36,24 @@ scene::Scene sphere_in_a_box(int rings) {
   return scene;
 }
 
+/// The same beside a small sphere of 224 triangles that crosses the box.
+scene::Scene with_one_that_moves(int rings) {
+  scene::Scene scene = sphere_in_a_box(rings);
+  test::add_sphere(scene, {-1.5F, 1.5F, 0}, .3F, 8, 0);
+  const int node = scene.instances.back().node;
+  scene.animations = {{.channels = {{.node = node, .times = {0, 1}, .values = {glm::vec4(0), {3, 0, 0, 0}}}}}};
+  return scene;
+}
+
 struct Run {
+  /// `keep`: what need not be done again is not, as in a run without --no-prune.
   Run(const std::string& text, const scene::Scene& made, glm::ivec2 size, std::vector<graph::Override> set, bool keep)
       : scene(made), gpu_scene(scene::GpuScene::create(scene)) {
     Diagnostics diagnostics;
     plugins::load_plugins({.dirs = {LOOM_BINARY_DIR "/lib/loom/passes"}, .installed = false}, registry, diagnostics);
     device = gpu::CachingDevice::create({.shader_roots = test::source_shader_roots(), .cache_dir = "-"});
     auto compiled = graph::compile_text(text, "bench.json", registry, scene::compute_facts(scene),
-                                        {.frame_size = size, .overrides = std::move(set)});
+                                        {.frame_size = size, .overrides = std::move(set), .prune = keep});
     if (!compiled.graph) throw Error(compiled.diagnostics);
     renderer = graph::Renderer::create(std::move(*compiled.graph), *device, {.fingerprints = keep});
     camera = scene::make_camera(test::look_at({1.7, 1.2, 1.5}, {0, 0, 0}), scene, size);
@@ -69,13 +79,28 @@ void measure(benchmark::State& state, Run& run) {
 }
 
 // Sheets alone, 32³: the light on them does not depend on the triangles.
+const char* const sheets = R"({ "passes": { "voxelize": { "type": "Voxelize", "params": { "grid": 32 } } },
+                                "outputs": { "image": "voxelize.voxels.coverage" } })";
+
 void voxelize(benchmark::State& state) {
   const auto rings = static_cast<int>(state.range(0));
-  Run run(R"({ "passes": { "voxelize": { "type": "Voxelize", "params": { "grid": 32 } } },
-               "outputs": { "image": "voxelize.voxels.coverage" } })",
-          sphere_in_a_box(rings), {8, 8}, {}, false);
+  Run run(sheets, sphere_in_a_box(rings), {8, 8}, {}, false);
   state.counters["triangles"] = static_cast<double>(4 * rings * (rings - 1) + 12);
   measure(state, run);
+}
+
+// The same while 224 triangles more move: everything anew in each frame, or only those.
+void voxelize_moving(benchmark::State& state) {
+  Run run(sheets, with_one_that_moves(static_cast<int>(state.range(0))), {8, 8}, {}, state.range(1) != 0);
+  state.counters["triangles"] = static_cast<double>(run.gpu_scene->facts().triangles);
+  double time = 0;
+  for (auto _ : state) {
+    scene::pose(run.scene, time += .01);
+    run.gpu_scene->update();
+    const std::clock_t start = std::clock();
+    run.frame();
+    state.SetIterationTime(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  }
 }
 
 // 128² pixels. Everything but the rays is kept from the first frame.
@@ -93,6 +118,11 @@ void march(benchmark::State& state) {
 }
 
 BENCHMARK(voxelize)->Arg(32)->Arg(64)->Arg(128)->Arg(256)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(voxelize_moving)
+    ->ArgNames({"rings", "apart"})
+    ->ArgsProduct({{32, 64, 128, 256}, {0, 1}})
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(march)
     ->Args({4, 32})
     ->Args({16, 32})

@@ -18,7 +18,7 @@
 namespace loom::scene {
 namespace {
 
-constexpr Box box{.min = {-4, -3, -20}, .max = {5, 6, 7}};
+constexpr Box box{.low = {-4, -3, -20}, .high = {5, 6, 7}};
 
 struct Ray {
   glm::dvec3 origin, direction;
@@ -95,8 +95,8 @@ TEST_P(CameraBlock, DepthIsReversed) {
   if (GetParam()) {
     // Every corner of the scene lies before the far plane.
     for (int i = 0; i < 8; ++i) {
-      const glm::dvec3 corner((i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
-                              (i & 4) != 0 ? box.max.z : box.min.z);
+      const glm::dvec3 corner((i & 1) != 0 ? box.high.x : box.low.x, (i & 2) != 0 ? box.high.y : box.low.y,
+                              (i & 4) != 0 ? box.high.z : box.low.z);
       EXPECT_GT(to_image(camera, corner).z, 0);
     }
   } else {

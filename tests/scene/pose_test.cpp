@@ -16,6 +16,7 @@
 namespace {
 
 using loom::Diagnostics;
+using loom::SceneFacts;
 using loom::scene::pose;
 using loom::scene::Scene;
 using loom::test::GltfBuilder;
@@ -179,6 +180,31 @@ TEST(Pose, ASkinWithoutAnimationStandsInItsBindPose) {
   std::sort(&sizes.x, &sizes.x + 3);
   std::sort(&noted.x, &noted.x + 3);
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(sizes[axis], noted[axis], 2e-3);
+}
+
+TEST(Pose, BoundsHoldTheWholeAnimation) {
+  GltfBuilder builder;
+  animate(builder.triangle(), 0, "rotation", "LINEAR", "VEC4", 4, {0, 1}, {0, 0, 0, 1, 0, 0, 1, 0});
+  const SceneFacts turned = compute_facts(load(builder));
+  // Half a turn about z: (1, 0) goes by way of (0, 1) to (−1, 0), and (0, 1) on to (0, −1).
+  EXPECT_NEAR(glm::length(turned.bounds_min - glm::dvec3(-1, -1, 0)), 0, 1e-6);
+  EXPECT_NEAR(glm::length(turned.bounds_max - glm::dvec3(1, 1, 0)), 0, 1e-6);
+  EXPECT_EQ(turned.moving_triangles, 1U);
+  const SceneFacts skin = compute_facts(load(skinned()));
+  EXPECT_NEAR(skin.bounds_max.z, 4, 1e-6);
+  EXPECT_EQ(skin.moving_triangles, 1U);
+}
+
+// What hangs on a node that moves does, too; a skin of joints that stand still does not, wherever its node goes.
+TEST(Pose, ChildrenMoveWithTheirParents) {
+  GltfBuilder builder;
+  builder.triangle().json["nodes"] = Json::parse(R"([{"children": [1]}, {"mesh": 0}, {"mesh": 0}])");
+  builder.json["scenes"][0]["nodes"] = {0, 2};
+  animate(builder, 0, "translation", "LINEAR", "VEC3", 3, {0, 1}, {0, 0, 0, 1, 0, 0});
+  EXPECT_EQ(compute_facts(load(builder)).moving_triangles, 1U);
+  GltfBuilder still = skinned();
+  still.json["animations"][0]["channels"][0]["target"]["node"] = 0;
+  EXPECT_EQ(compute_facts(load(still)).moving_triangles, 0U);
 }
 
 }  // namespace

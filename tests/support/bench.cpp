@@ -49,6 +49,11 @@ SceneBuilder& SceneBuilder::triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, int 
   primitive.material = material;
   scene::Node node;
   node.mesh = static_cast<int>(scene_.meshes.size());
+  if (path_) {
+    scene_.animations.front().channels.push_back({.node = static_cast<int>(scene_.nodes.size()),
+                                                  .times = {0, 1},
+                                                  .values = {glm::vec4(0), glm::vec4(*path_, 0)}});
+  }
   scene_.instances.push_back({.mesh = node.mesh, .node = static_cast<int>(scene_.nodes.size())});
   scene_.nodes.push_back(node);
   scene_.meshes.push_back({.name = "", .primitives = {primitive}});
@@ -100,6 +105,12 @@ SceneBuilder& SceneBuilder::directional(glm::vec3 direction, glm::vec3 irradianc
 
 SceneBuilder& SceneBuilder::sky(glm::vec3 radiance) {
   scene_.sky = radiance;
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::moving(glm::vec3 path) {
+  path_ = path;
+  scene_.animations.resize(1);
   return *this;
 }
 
@@ -177,6 +188,10 @@ void Bench::render(const std::string& pipeline, const BenchOptions& options) {
   seed_ = options.seed;
   frame_ = 0;
   for (int i = 0; i < options.frames; ++i) next_frame(options.jitter);
+}
+
+void Bench::pose(double time_s) {
+  if (scene::pose(scene_, time_s)) gpu_->update();
 }
 
 void Bench::next_frame(glm::dvec2 jitter) {

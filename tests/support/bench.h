@@ -2,6 +2,7 @@
 // Scenes made by hand and pipelines rendered of them, for tests with known answers.
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,10 +38,13 @@ class SceneBuilder {
   SceneBuilder& spot(glm::vec3 position, glm::vec3 direction, glm::vec3 intensity, double inner_rad, double outer_rad);
   SceneBuilder& directional(glm::vec3 direction, glm::vec3 irradiance);
   SceneBuilder& sky(glm::vec3 radiance);
+  /// All geometry added from here on moves by `path` in a second, in a straight line, and stops there.
+  SceneBuilder& moving(glm::vec3 path);
   [[nodiscard]] scene::Scene build() const;
 
  private:
   scene::Scene scene_;
+  std::optional<glm::vec3> path_;
 };
 
 /// Texels of a texture, (0,0) bottom left.
@@ -78,6 +82,8 @@ class Bench {
 
   /// `pipeline`: JSON, or the name of a file in pipelines/. Throws BadInput with all diagnostics.
   void render(const std::string& pipeline, const BenchOptions& options = {});
+  /// Moves what the scene's animation moves to where it is at a time, from the next frame on.
+  void pose(double time_s);
   /// One more frame of the last render's pipeline, from where the camera looks now.
   void next_frame(glm::dvec2 jitter = glm::dvec2(0));
   /// Forgets history, as Session::reset() does; frames count from 0 again.

@@ -30,7 +30,7 @@ class EmptyScene : public SceneView {
   [[nodiscard]] glm::vec3 sky_radiance() const override { return sky; }
   [[nodiscard]] std::uint64_t geometry_version() const override { return version; }
   [[nodiscard]] std::uint64_t lights_version() const override { return version; }
-  void draw(const Program& /*program*/, int /*instances*/, Surfaces /*which*/) const override {}
+  void draw(const Program& /*program*/, int /*instances*/, Surfaces /*which*/, Motion /*motion*/) const override {}
   [[nodiscard]] const Buffer* buffer(std::string_view /*block*/) const override { return nullptr; }
   [[nodiscard]] const Texture* texture(std::string_view /*sampler*/) const override { return nullptr; }
 

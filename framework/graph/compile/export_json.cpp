@@ -88,6 +88,7 @@ Json facts_of(const SceneFacts& facts) {
           {"bounds_min", vec(facts.bounds_min)},
           {"bounds_max", vec(facts.bounds_max)},
           {"triangles", facts.triangles},
+          {"moving_triangles", facts.moving_triangles},
           {"content_hash", fmt::format("{:016x}", facts.content_hash)}};
 }
 

@@ -30,9 +30,10 @@ struct SceneFacts {
   double max_albedo = 0;        ///< ρ_max over channels
   double max_emission = 0;      ///< W/(m² sr), over channels and materials in use
   double thinnest_feature = 0;  ///< metres; smallest extent of a mesh's box that is not zero
-  glm::dvec3 bounds_min{0};     ///< world box of all geometry, metres
+  glm::dvec3 bounds_min{0};     ///< world box of all geometry, over the whole animation, metres
   glm::dvec3 bounds_max{0};
   std::size_t triangles = 0;
+  std::size_t moving_triangles = 0;  ///< of them, those that the animation can move
   std::uint64_t content_hash = 0;
 };
 

@@ -61,6 +61,8 @@ class LOOM_API Buffer {
   void write(std::span<const std::byte> content, std::size_t offset = 0) const;
   void read(std::span<std::byte> content, std::size_t offset = 0) const;
   void clear() const;
+  /// Takes over the first bytes() bytes of `from`.
+  void copy(const Buffer& from) const;
 
   template <class T>
   static Buffer of(std::span<const T> items, std::string_view label) {

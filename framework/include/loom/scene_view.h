@@ -28,6 +28,8 @@ LOOM_API std::vector<Define> scene_defines(const SceneFacts& facts);
 
 /// Surfaces by alpha mode: without a mask, and with one.
 enum class Surfaces { all, opaque, masked };
+/// Surfaces by whether the scene's animation can move them.
+enum class Motion { any, still, moving };
 
 /// Scene buffers that shaders reach by these block names (shaders/lib/<block>.glsl):
 /// scene_lights, scene_emitters, scene_bvh_nodes and scene_bvh_triangles (trace.glsl), scene_draws and scene_triangles
@@ -40,12 +42,15 @@ class LOOM_API SceneView {
   [[nodiscard]] virtual glm::vec3 sky_radiance() const = 0;  ///< W/(m² sr)
   /// Change counters: equal numbers mean an equal state.
   [[nodiscard]] virtual std::uint64_t geometry_version() const = 0;
+  /// Counts changes of what draw() shows as Motion::still: only a program that edits the scene makes any.
+  [[nodiscard]] virtual std::uint64_t still_version() const { return geometry_version(); }
   [[nodiscard]] virtual std::uint64_t lights_version() const = 0;
   /// Draws all surfaces with the bound program (vertex stage: shaders/lib/scene_vertex.glsl), nothing culled, with
   /// each material's textures bound. `instances` repeats every triangle (gl_InstanceID), for layered targets. `which`:
   /// a shader that discards loses the early depth test, so that masked surfaces are better drawn by a program of their
   /// own, after the opaque ones.
-  virtual void draw(const Program& program, int instances = 1, Surfaces which = Surfaces::all) const = 0;
+  virtual void draw(const Program& program, int instances = 1, Surfaces which = Surfaces::all,
+                    Motion motion = Motion::any) const = 0;
   /// The storage buffer of that block name, or null where the scene has none.
   [[nodiscard]] virtual const Buffer* buffer(std::string_view block) const = 0;
   /// Textures that shaders reach by sampler name (scene_alpha: r8 array of the alpha of masked materials), or null.
