@@ -108,6 +108,11 @@ OutputPort& OutputPort::needed(std::string_view member) {
   return *this;
 }
 
+OutputPort& OutputPort::needed(std::string_view member, std::string_view whenever) {
+  member_of(ports_->outputs[index_], member).needed_for.emplace_back(whenever);
+  return *this;
+}
+
 OutputPort& OutputPort::attribute(std::string_view name, Attribute value) {
   ports_->outputs[index_].attributes.insert_or_assign(std::string(name), std::move(value));
   return *this;

@@ -37,6 +37,10 @@ void check_size(const TextureDesc& desc, std::string_view label) {
                 std::to_string(limit) + ", 1…" + std::to_string(layer_limit) + " layers");
 }
 
+bool two_channels(Format format) {
+  return format == Format::rg8 || format == Format::rg16f || format == Format::rg32f || format == Format::rg32ui;
+}
+
 glm::ivec3 level_size(const TextureDesc& desc, int mip) {
   const auto shrink = [mip](int n) { return std::max(1, n >> mip); };
   return {shrink(desc.width), shrink(desc.height), desc.kind == TextureKind::d3 ? shrink(desc.depth) : desc.depth};
@@ -103,6 +107,10 @@ Texture::Texture(const TextureDesc& desc, std::string_view label) : desc_(desc) 
   const GLint wrap = desc.wrap == Wrap::repeat ? GL_REPEAT : GL_CLAMP_TO_EDGE;
   for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
     glTextureParameteri(name_, axis, wrap);
+  if (desc.grey) {
+    const GLint channels[] = {GL_RED, GL_RED, GL_RED, two_channels(desc.format) ? GL_GREEN : GL_ONE};
+    glTextureParameteriv(name_, GL_TEXTURE_SWIZZLE_RGBA, channels);
+  }
   gpu::label(GL_TEXTURE, name_, label);
 }
 
@@ -166,6 +174,9 @@ std::vector<glm::vec4> Texture::read(int mip) const {
   } else {
     glGetTextureImage(name_, mip, format.read_layout, GL_FLOAT, static_cast<GLsizei>(count * sizeof(glm::vec4)),
                       result.data());
+  }
+  if (desc_.grey) {
+    for (glm::vec4& texel : result) texel = {texel.r, texel.r, texel.r, two_channels(desc_.format) ? texel.g : 1};
   }
   return result;
 }

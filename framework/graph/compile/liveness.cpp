@@ -52,6 +52,7 @@ class Marking {
       queue_.pop_back();
       for (const auto& wire : draft_.passes[at(pass)].wires) follow(draft_.passes[at(pass)], wire);
     }
+    mark_needed_for_others();
     for (const auto& version : draft_.versions)
       if (version.base != none && alive_.runs[at(version.pass)] != 0) alive_.overwritten[at(version.root)] = 1;
     return std::move(alive_);
@@ -87,6 +88,28 @@ class Marking {
     if (made.root != version) return;
     for (std::size_t m = 0; m < made.info.members.size(); ++m)
       if (made.info.members[m].needed) alive_.members[at(version)][m] = 1;
+  }
+
+  /// What a pass reads back to make members that somebody reads.
+  void mark_needed_for_others() {
+    for (std::size_t v = 0; v < draft_.versions.size(); ++v) {
+      const auto& members = draft_.versions[v].info.members;
+      auto& made = alive_.members[v];
+      const auto is_made = [&](std::string_view name) {
+        for (std::size_t m = 0; m < made.size(); ++m)
+          if (members[m].name == name && made[m] != 0) return true;
+        return false;
+      };
+      for (bool again = true; again;) {
+        again = false;
+        for (std::size_t m = 0; m < made.size(); ++m) {
+          const auto& others = members[m].needed_for;
+          if (made[m] != 0 || std::none_of(others.begin(), others.end(), is_made)) continue;
+          made[m] = 1;
+          again = true;
+        }
+      }
+    }
   }
 
   void follow(const DraftPass& pass, const Wire& wire) {

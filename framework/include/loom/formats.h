@@ -50,6 +50,7 @@ struct TextureDesc {
   int mips = 1;
   Filter filter = Filter::nearest;
   Wrap wrap = Wrap::clamp;
+  bool grey = false;  ///< sampled, a texture of one channel is (r, r, r, 1), one of two (r, r, r, g)
   bool operator==(const TextureDesc&) const = default;
 
   static TextureDesc image(glm::ivec2 size, Format format) {

@@ -21,9 +21,10 @@ struct MemberDecl {
   std::string name;
   std::variant<TextureDesc, BufferDesc> desc;
   Access access = Access::image_write;
-  glm::vec4 clear{0};             ///< what a history or persistent texture holds before its first frame
-  bool clear_each_frame = false;  ///< the executor clears it to `clear` before the pass runs
-  bool needed = false;            ///< the pass reads it back itself: made whenever the pass runs
+  glm::vec4 clear{0};                   ///< what a history or persistent texture holds before its first frame
+  bool clear_each_frame = false;        ///< the executor clears it to `clear` before the pass runs
+  bool needed = false;                  ///< the pass reads it back itself: made whenever the pass runs
+  std::vector<std::string> needed_for;  ///< members of the same output that it is read back for: made with any of them
 };
 
 struct ReadDecl {
@@ -100,6 +101,7 @@ class LOOM_API OutputPort {
   OutputPort& cleared(std::string_view member, glm::vec4 value = glm::vec4(0));  ///< cleared before each frame
   OutputPort& initial(std::string_view member, glm::vec4 value);                 ///< as history, before the first frame
   OutputPort& needed(std::string_view member);  ///< made whenever the pass runs: it reads the member back itself
+  OutputPort& needed(std::string_view member, std::string_view whenever);  ///< made with that other member
   OutputPort& attribute(std::string_view name, Attribute value);
   /// Nothing to carry; `why` is shown by `loom plan`. A pass whose outputs are all absent does not run.
   void absent(std::string why);
