@@ -3,7 +3,8 @@
 // Each triangle is projected along the axis that it faces most (its dominant axis; Crassin and Green, "Octree-Based
 // Sparse Voxelization Using the GPU Hardware Rasterizer", OpenGL Insights, 2012), over every column of cells that its
 // bounding box touches, and each fragment cuts it to the cells of its column. So the area that a cell gets is exact,
-// and a triangle of any size is in some cell. A cell keeps one *sheet* an axis: of the triangles that face that axis
+// and a triangle of any size is in some cell. (`slicing` has the two cheaper ways of G. Papaioannou, "Real-time Global
+// Illumination", 2011, beside it.) A cell keeps one *sheet* an axis: of the triangles that face that axis
 // most the mean plane, the rectangle that they span, the opaque share of it (area × alpha over the section of the
 // plane), and for either side albedo, emission and position. The two sides of a wall thinner than a cell stay apart.
 //
@@ -34,6 +35,9 @@ using namespace loom;
 // As in shaders/voxelize/sums.glsl.
 constexpr int sum_rows = 27;
 constexpr int emission_rows = 6;
+// As in shaders/voxelize/geometry.geom: what one run of the stage may put out ends there.
+constexpr int slices_a_run = 4;
+const std::vector<std::string> combinations{"sum", "or", "max"};
 
 class Voxelize final : public Pass {
  public:
@@ -45,10 +49,14 @@ class Voxelize final : public Pass {
                .scale = Scale::log,
                .cost = Cost::graph,
                .doc = "cells along the longest side of the scene's box"});
-    p.choice("occupancy", occupancy_, {"share", "binary"},
+    p.choice("slicing", slicing_, {"area", "fragment", "geometry"},
              {.cost = Cost::shader,
-              .doc = "`share`: of each sheet, what is opaque; `binary`: all of the cell's section, wherever there is "
-                     "anything"});
+              .doc = "how triangles are cut into cells: `area`: exactly; `fragment`: each fragment of the rasterised "
+                     "triangle goes to the slice of its depth; `geometry`: the geometry stage cuts it into slices"});
+    p.choice("combine", combine_, combinations,
+             {.cost = Cost::graph,
+              .doc = "what of a sheet is opaque: `sum`: what its pieces' areas add up to; `or`: all of the cell's "
+                     "section, wherever there is anything; `max`: the largest piece's area"});
     p.integer("rays", rays_,
               {.min = 1,
                .max = 1024,
@@ -82,19 +90,22 @@ class Voxelize final : public Pass {
 
   void prepare(Device& device, const Bindings& bindings) override {
     emission_ = bindings.has("voxels.emission");
-    const int rows = sum_rows + (emits() ? emission_rows : 0);
-    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows)},
+    const auto operation = std::find(combinations.begin(), combinations.end(), combine_) - combinations.begin();
+    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows())},
                                      {"EMISSION", emission_ ? "1" : "0"},
-                                     {"BINARY", occupancy_ == "binary" ? "1" : "0"}};
-    const auto scene = scene_defines(facts_);
+                                     {"COMBINE", std::to_string(operation)}};
+    auto scene = scene_defines(facts_);
+    if (slicing_ == "geometry")
+      scene.emplace_back("INVOCATIONS", std::to_string((raster_size() + slices_a_run - 1) / slices_a_run));
     const auto into = [&](const char* sums, std::vector<Define> defines) {
       defines.insert(defines.end(), layout.begin(), layout.end());
       defines.emplace_back("SUMS", sums);
       return defines;
     };
     const auto drawing = [&](const char* sums) {
-      return device.program({.files = {"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/voxelize.frag"},
-                             .defines = into(sums, scene)});
+      const std::string stage = "voxelize/" + slicing_;
+      return device.program(
+          {.files = {"voxelize/voxelize.vert", stage + ".geom", stage + ".frag"}, .defines = into(sums, scene)});
     };
     still_ = keeps_still_ ? drawing("persistent_still") : nullptr;
     voxelize_ = draws_moving() ? drawing("scratch_sums") : nullptr;
@@ -136,8 +147,7 @@ class Voxelize final : public Pass {
     const bool rule = ports.rule("static");
     keeps_still_ = facts_.moves && facts_.moving_triangles < facts_.triangles && rule;
     const std::size_t cells = static_cast<std::size_t>(grid_block_.cells.x) * grid_block_.cells.y * grid_block_.cells.z;
-    const int rows = sum_rows + (emits() ? emission_rows : 0);
-    const BufferDesc sums{.bytes = 3 * cells * rows * sizeof(std::int32_t)};
+    const BufferDesc sums{.bytes = 3 * cells * static_cast<std::size_t>(rows()) * sizeof(std::int32_t)};
     if (draws_moving()) ports.scratch("sums", sums);
     if (keeps_still_) {
       ports.persistent("still", sums);
@@ -171,6 +181,7 @@ class Voxelize final : public Pass {
     still_sums_of_ = now;
   }
 
+  [[nodiscard]] int rows() const { return sum_rows + (emits() ? emission_rows : 0) + (combine_ == "max" ? 1 : 0); }
   [[nodiscard]] bool draws_moving() const { return !keeps_still_ || facts_.moving_triangles > 0; }
   [[nodiscard]] bool emits() const { return facts_.emissive_triangles > 0 && facts_.max_emission > 0; }
   [[nodiscard]] int raster_size() const {
@@ -178,7 +189,7 @@ class Voxelize final : public Pass {
   }
 
   int grid_ = 32, rays_ = 32;
-  std::string occupancy_ = "share";
+  std::string slicing_ = "area", combine_ = "sum";
   bool shadow_maps_ = false, emission_ = false;
   bool keeps_still_ = false;                    // persistent.still holds the sums of what no animation moves
   std::optional<std::uint64_t> still_sums_of_;  // the still_version() that it holds

@@ -21,6 +21,7 @@ struct Side {
 
 struct Sheet {
   float area;
+  float opaque;           // of it, what COMBINE lets count
   vec3 normal, position;  // Σ a·…
   vec3 low, high;         // its box, from the cell's lower corner, in cells
   Side side[2];
@@ -34,6 +35,7 @@ vec3 sum3(ivec3 cell, int axis, int row) {
 Sheet sheet_of(ivec3 cell, int axis) {
   Sheet s;
   s.area = sum(cell, axis, ROW_AREA);
+  s.opaque = COMBINE == COMBINE_MAX ? sum(cell, axis, ROW_LARGEST) : s.area;
   s.normal = sum3(cell, axis, ROW_NORMAL);
   s.position = sum3(cell, axis, ROW_POSITION);
   s.low = 1. - sum3(cell, axis, ROW_BOX) * (FIXED / 255.);
@@ -62,6 +64,7 @@ void merge(inout Sheet into, inout Sheet from) {
   if (into.area < from.area || from.area <= 0. || abs(along) <= PARALLEL * lengths) return;
   bool opposite = along < 0.;  // positive on one axis, negative on the other
   into.area += from.area;
+  into.opaque = COMBINE == COMBINE_MAX ? max(into.opaque, from.opaque) : into.opaque + from.opaque;
   into.normal += opposite ? -from.normal : from.normal;
   into.position += from.position;
   into.low = min(into.low, from.low);
@@ -108,15 +111,9 @@ void store_sheet(ivec3 cell, int axis, Sheet s, inout vec4 coverage) {
     float offset = dot(n, s.position / s.area);
     plane = vec4(n * length(mean), offset);
     extent = vec4(turn_axis_last(s.low, axis).xy, turn_axis_last(s.high, axis).xy);
-#if BINARY
-    extent = vec4(0, 0, 1, 1);
-#endif
+    if (COMBINE == COMBINE_OR) extent = vec4(0, 0, 1, 1);
     float section = section_area(turn_axis_last(n, axis), offset, extent);
-#if BINARY
-    seen = section;
-#else
-    seen = min(s.area, section);
-#endif
+    seen = COMBINE == COMBINE_OR ? section : min(s.opaque, section);
     coverage[axis] = seen < section ? seen / section : 1.;
     coverage.w = 1.;
   }

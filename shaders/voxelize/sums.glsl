@@ -15,6 +15,11 @@ const int ROW_BOX = 7;       // largest 255·(1−p), then 255·p, p from the ce
 const int ROW_SIDE = 13;     // of the positive and the negative side: Σ w, Σ w·(c − centre), Σ w·albedo
 const int SIDE_ROWS = 7;
 const int ROW_EMISSION = 27;  // of both sides: Σ w·L/L_max
+const int ROW_LARGEST = SUM_ROWS - 1;  // the largest a, where COMBINE asks for it
+
+// What of a sheet is opaque: of its section what the pieces' areas add up to, all wherever there is a piece (OR), or the
+// largest piece's area (MAX).
+const int COMBINE_SUM = 0, COMBINE_OR = 1, COMBINE_MAX = 2;
 // SUMS: whose they are, scratch_sums or persistent_still.
 layout(std430) buffer SUMS { int sums[]; };
 

@@ -103,6 +103,37 @@ void voxelize_moving(benchmark::State& state) {
   }
 }
 
+/// Area of one side of every sheet of every cell, in cell faces, by texel of `albedo`.
+std::vector<float> shown_areas(const Run& run) {
+  std::vector<float> areas;
+  for (const glm::vec4& texel : run.renderer->output("voxelize.voxels.albedo")->read()) areas.push_back(texel.a);
+  return areas;
+}
+
+// The ways of slicing and combining, beside exact areas: time, and of what a sheet shows of its cell the mean absolute
+// error as a share of the mean, and the share that lies in cells where nothing was found.
+void slicing(benchmark::State& state) {
+  constexpr const char* ways[] = {"area", "fragment", "geometry"};
+  constexpr const char* operators[] = {"sum", "or", "max"};
+  const std::string text = R"({ "passes": { "voxelize": { "type": "Voxelize", "params": { "grid": 32 } } },
+                                "outputs": { "image": "voxelize.voxels.albedo" } })";
+  const scene::Scene scene = sphere_in_a_box(static_cast<int>(state.range(0)));
+  const Run exact(text, scene, {8, 8}, {}, false);
+  Run run(text, scene, {8, 8},
+          {{"voxelize", "slicing", ways[state.range(1)]}, {"voxelize", "combine", operators[state.range(2)]}}, false);
+  const std::vector<float> right = shown_areas(exact), found = shown_areas(run);
+  double sum = 0, error = 0, missed = 0;
+  for (std::size_t i = 0; i < right.size(); ++i) {
+    sum += right[i];
+    error += std::abs(found[i] - right[i]);
+    missed += found[i] == 0 ? right[i] : 0;
+  }
+  state.SetLabel(std::string(ways[state.range(1)]) + " " + operators[state.range(2)]);
+  state.counters["error"] = error / sum;
+  state.counters["missed"] = missed / sum;
+  measure(state, run);
+}
+
 // 128² pixels. Everything but the rays is kept from the first frame.
 void march(benchmark::State& state) {
   Run run(R"({ "passes": {
@@ -121,6 +152,11 @@ BENCHMARK(voxelize)->Arg(32)->Arg(64)->Arg(128)->Arg(256)->UseManualTime()->Unit
 BENCHMARK(voxelize_moving)
     ->ArgNames({"rings", "apart"})
     ->ArgsProduct({{32, 64, 128, 256}, {0, 1}})
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(slicing)
+    ->ArgNames({"rings", "slicing", "combine"})
+    ->ArgsProduct({{32, 128}, {0, 1, 2}, {0, 1, 2}})
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(march)

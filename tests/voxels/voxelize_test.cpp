@@ -163,8 +163,8 @@ TEST_F(VoxelizeTest, TheTwoSidesOfAThinWallStayApart) {
   EXPECT_GE(sheets, 100);
 }
 
-// A fence of thin bars covers a part of each cell; in binary voxels it is a wall.
-TEST_F(VoxelizeTest, BinaryOccupancyFillsTheCell) {
+// A fence of thin bars, two a cell, covers a part of each; by OR it is a wall, by MAX a fence of every other bar.
+TEST_F(VoxelizeTest, PiecesAddUpOrFillTheCellOrTheLargestCounts) {
   SceneBuilder scene;
   const int grey = scene.material(glm::vec3(.5));
   for (int i = 0; i < 16; ++i) {
@@ -172,14 +172,14 @@ TEST_F(VoxelizeTest, BinaryOccupancyFillsTheCell) {
     scene.quad({x, 0, 1}, {x + .05F, 0, 1}, {x + .05F, 0, -1}, {x, 0, -1}, grey);
   }
   Bench bench(*device_, scene.build());
-  for (const auto& [occupancy, expected] : {std::pair{"share", .5}, {"binary", 1.}}) {
+  for (const auto& [combine, expected] : {std::pair{"sum", .5}, {"or", 1.}, {"max", .25}}) {
     bench.render(unlit, {.size = {8, 8},
-                         .set = {{"voxelize", "grid", "10"}, {"voxelize", "occupancy", occupancy}},
+                         .set = {{"voxelize", "grid", "10"}, {"voxelize", "combine", combine}},
                          .requested = {"voxelize.voxels.coverage"}});
     const Texels coverage = bench.read("voxelize.voxels.coverage");
     double most = 0;
     for (const glm::vec4& cell : coverage.values) most = std::max<double>(most, cell.y);
-    EXPECT_NEAR(most, expected, .1) << occupancy;
+    EXPECT_NEAR(most, expected, .1) << combine;
   }
 }
 
