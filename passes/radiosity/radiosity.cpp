@@ -41,6 +41,7 @@ class Radiosity final : public Pass {
     if (voxels.absent()) return light.absent(voxels.why_absent());
     if (radiance == nullptr) return light.absent("the voxels carry no radiance");
     light.texture("radiance", *radiance, Access::image_write).needed("radiance");
+    format_ = to_string(radiance->format);
     ports.scratch("radiance", *radiance, Access::image_write);
     feedback_ = last.connected();
     if (!facts.moves && !feedback_ && ports.rule("static")) {
@@ -51,7 +52,8 @@ class Radiosity final : public Pass {
 
   void prepare(Device& device, const Bindings& /*bindings*/) override {
     const auto program = [&](const char* file, const char* source, const char* target) {
-      return device.program({.files = {file}, .defines = {{"SOURCE", source}, {"TARGET", target}}});
+      return device.program(
+          {.files = {file}, .defines = {{"SOURCE", source}, {"TARGET", target}, {"FORMAT", format_}}});
     };
     // The last order goes to the output, so that the one before it is in the scratch volume.
     copy_first_ = program("radiosity/copy.comp", "voxels_radiance", "scratch_radiance");
@@ -87,6 +89,7 @@ class Radiosity final : public Pass {
  private:
   int bounces_ = 8, rays_ = 16;
   bool feedback_ = false;
+  std::string format_;  // of radiance volumes
   std::shared_ptr<const Program> copy_first_, copy_last_, copy_order_, copy_through_, gather_;
 };
 

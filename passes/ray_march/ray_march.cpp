@@ -27,7 +27,7 @@ using namespace loom;
 class RayMarch final : public Pass {
  public:
   void params(Params& p) override {
-    p.choice("method", method_, {"rays", "cones"}, {.doc = "how `irradiance` is found"});
+    p.choice("method", method_, {"rays", "cones"}, {.cost = Cost::graph, .doc = "how `irradiance` is found"});
     p.integer("rays", rays_, {.min = 1, .max = 4096, .scale = Scale::log, .doc = "rays a pixel and frame, or a probe"});
     p.integer("cones", cones_, {.min = 4, .max = 256, .scale = Scale::log, .doc = "cones a pixel"});
     p.integer("probes", probes_,
@@ -47,7 +47,8 @@ class RayMarch final : public Pass {
     auto surface = ports.in("surface", "Surface").optional();
     surface.reads("depth").reads("normal").reads("geometric_normal");
     auto voxels = ports.in("voxels", "VoxelScene").reads("coverage").reads("plane").reads("extent");
-    voxels.reads("centroid").reads("albedo").reads("radiance");
+    if (method_ == "cones") voxels.reads("centroid").reads("albedo");
+    voxels.reads("radiance");
     if (emitter_) voxels.reads("emission");
     auto light = ports.in("light", "VoxelScene").optional().reads("radiance");
     auto irradiance = ports.out("irradiance", "Irradiance").attribute("quantity", "irradiance");

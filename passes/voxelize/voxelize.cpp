@@ -57,6 +57,9 @@ class Voxelize final : public Pass {
              {.cost = Cost::graph,
               .doc = "what of a sheet is opaque: `sum`: what its pieces' areas add up to; `or`: all of the cell's "
                      "section, wherever there is anything; `max`: the largest piece's area"});
+    p.choice("channels", channels_, {"colour", "luminance"},
+             {.cost = Cost::graph,
+              .doc = "of albedo, emission and radiance; a scene without colour takes `luminance` by itself"});
     p.integer("rays", rays_,
               {.min = 1,
                .max = 1024,
@@ -74,13 +77,7 @@ class Voxelize final : public Pass {
     shadow_maps_ = !lights.absent();
     grid_block_ = fit_grid(facts, grid_);
 
-    voxels.texture("coverage", cell_texture(grid_block_, Format::rgba16f), Access::image_write).needed("coverage");
-    voxels.texture("plane", cell_texture(grid_block_, Format::rgba16f, 3), Access::image_write).needed("plane");
-    voxels.texture("extent", cell_texture(grid_block_, Format::rgba8, 3), Access::image_write).needed("extent");
-    voxels.texture("centroid", cell_texture(grid_block_, Format::rgba16f, 6), Access::image_write).needed("centroid");
-    voxels.texture("albedo", cell_texture(grid_block_, Format::rgba16f, 6), Access::image_write).needed("albedo");
-    if (emits()) voxels.texture("emission", cell_texture(grid_block_, Format::rgba32f, 6), Access::image_write);
-    voxels.texture("radiance", cell_texture(grid_block_, Format::rgba32f, 6), Access::image_write);
+    reflect_volumes(ports, voxels);
 
     // The raster has no picture; its size is that of a target.
     ports.scratch("raster", TextureDesc::image({raster_size(), raster_size()}, Format::r8), Access::color);
@@ -91,8 +88,10 @@ class Voxelize final : public Pass {
   void prepare(Device& device, const Bindings& bindings) override {
     emission_ = bindings.has("voxels.emission");
     const auto operation = std::find(combinations.begin(), combinations.end(), combine_) - combinations.begin();
-    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows())},
-                                     {"EMISSION", emission_ ? "1" : "0"},
+    const auto made = [&](const char* member) { return bindings.has(std::string("voxels.") + member) ? "1" : "0"; };
+    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows())},  {"EMISSION", emission_ ? "1" : "0"},
+                                     {"CENTROID", made("centroid")},        {"ALBEDO", made("albedo")},
+                                     {"RADIANCE", made("radiance")},        {"GREY", grey_ ? "1" : "0"},
                                      {"COMBINE", std::to_string(operation)}};
     auto scene = scene_defines(facts_);
     if (slicing_ == "geometry")
@@ -115,7 +114,8 @@ class Voxelize final : public Pass {
     light_ = nullptr;
     if (bindings.has("voxels.radiance")) {
       light_ = device.program({.files = {"voxelize/light.comp"},
-                               .defines = {{"PUNCTUAL", facts_.lights() > 0 ? "1" : "0"},
+                               .defines = {{"GREY", grey_ ? "1" : "0"},
+                                           {"PUNCTUAL", facts_.lights() > 0 ? "1" : "0"},
                                            {"SHADOW_MAPS", shadow_maps_ ? "1" : "0"},
                                            {"EMITTERS", emits() ? "1" : "0"},
                                            {"SKY", facts_.sky ? "1" : "0"}}});
@@ -142,6 +142,31 @@ class Voxelize final : public Pass {
   }
 
  private:
+  /// The volumes that consumers may ask for. Light needs the places of the sheets; the albedo that it takes away from
+  /// what it makes is laid down in the volume that it makes.
+  void reflect_volumes(Ports& ports, OutputPort& voxels) {
+    const bool achromatic = facts_.max_chroma == 0 && ports.rule("achromatic");
+    grey_ = achromatic || channels_ == "luminance";
+    if (achromatic) ports.decide("achromatic", "one channel in the voxels", "no light and no surface has a colour");
+    const auto volume = [&](const char* member, Format format, int slabs) {
+      voxels.texture(member, cell_texture(grid_block_, format, slabs), Access::image_write);
+    };
+    const auto by_side = [&](const char* member, Format colour, Format grey) {
+      TextureDesc desc = cell_texture(grid_block_, grey_ ? grey : colour, 6);
+      desc.grey = grey_;
+      voxels.texture(member, desc, Access::image_read_write);
+    };
+    volume("coverage", Format::rgba16f, 1);
+    volume("plane", Format::rgba16f, 3);
+    volume("extent", Format::rgba8, 3);
+    for (const char* member : {"coverage", "plane", "extent"}) voxels.needed(member);
+    volume("centroid", Format::rgba16f, 6);
+    voxels.needed("centroid", "radiance");
+    by_side("albedo", Format::rgba16f, Format::rg16f);
+    if (emits()) by_side("emission", Format::rgba32f, Format::r32f);
+    by_side("radiance", Format::rgba32f, Format::r32f);
+  }
+
   /// What moves is known here; what has moved since, when a frame runs.
   void reflect_sums(Ports& ports) {
     const bool rule = ports.rule("static");
@@ -189,8 +214,9 @@ class Voxelize final : public Pass {
   }
 
   int grid_ = 32, rays_ = 32;
-  std::string slicing_ = "area", combine_ = "sum";
+  std::string slicing_ = "area", combine_ = "sum", channels_ = "colour";
   bool shadow_maps_ = false, emission_ = false;
+  bool grey_ = false;                           // one channel
   bool keeps_still_ = false;                    // persistent.still holds the sums of what no animation moves
   std::optional<std::uint64_t> still_sums_of_;  // the still_version() that it holds
   SceneFacts facts_;

@@ -1,11 +1,17 @@
 // The sides of the sheets of a voxelized scene: where light arrives, and what it leaves with. Slab 2·axis + side of the
 // volumes belongs to the side that looks to the positive (0) or negative (1) end of the axis.
+//
+// The including file may define
+//   SHEET_ALBEDO(texel)  albedo and, in a, the area that the side shows, in cell faces; without it: voxels_albedo
 #ifndef LOOM_LIB_SHEETS_GLSL
 #define LOOM_LIB_SHEETS_GLSL
 #include "lib/voxels.glsl"
 
 uniform sampler3D voxels_centroid;
+#ifndef SHEET_ALBEDO
 uniform sampler3D voxels_albedo;
+#define SHEET_ALBEDO(texel) texelFetch(voxels_albedo, texel, 0)
+#endif
 
 struct SheetSide {
   ivec3 texel;    // of the volumes by side
@@ -20,7 +26,7 @@ struct SheetSide {
 // False where there is no sheet.
 bool sheet_side(ivec3 cell, int axis, int side, out SheetSide s) {
   s.texel = cell + ivec3(0, 0, (2 * axis + side) * grid.cells.z);
-  vec4 albedo = texelFetch(voxels_albedo, s.texel, 0);
+  vec4 albedo = SHEET_ALBEDO(s.texel);
   s.albedo = albedo.rgb;
   s.area = albedo.a * grid.cascade[0].w * grid.cascade[0].w;
   vec3 n = texelFetch(voxels_plane, cell + ivec3(0, 0, axis * grid.cells.z), 0).xyz;

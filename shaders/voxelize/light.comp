@@ -1,6 +1,9 @@
 // Light that every side of every sheet reflects after it came straight from lights, emitters and sky:
 // L = ρ/π·(E_direct + E_emitter). One sheet a thread.
 #include "interop/frame.h"
+#include "voxelize/channels.glsl"
+layout(LIGHT_FORMAT) uniform image3D voxels_radiance;  // the albedo at first
+#define SHEET_ALBEDO(texel) vec4(from_channels(imageLoad(voxels_radiance, texel)), 0)
 #include "lib/rsm.glsl"
 #include "lib/sampling.glsl"
 #include "lib/scene_lights.glsl"
@@ -13,7 +16,6 @@
 #endif
 layout(local_size_x = 32) in;
 layout(std140) uniform frame_data { FrameData frame; };
-layout(rgba32f) uniform writeonly image3D voxels_radiance;
 uniform int rays;
 
 #if PUNCTUAL
@@ -100,6 +102,6 @@ void main() {
 #endif
       radiance = s.albedo * irradiance * inverse_pi;
     }
-    imageStore(voxels_radiance, s.texel, vec4(radiance, 1));
+    imageStore(voxels_radiance, s.texel, in_channels(radiance, 1.));
   }
 }

@@ -1,17 +1,25 @@
 // Sums to means: the sheets of one cell.
 #include "lib/axes.glsl"
 #include "lib/math.glsl"
+#include "voxelize/channels.glsl"
 #include "voxelize/sums.glsl"
 layout(local_size_x = 32) in;
 
 layout(rgba16f) uniform writeonly image3D voxels_coverage;
 layout(rgba16f) uniform writeonly image3D voxels_plane;
 layout(rgba8) uniform writeonly image3D voxels_extent;
+#if CENTROID
 layout(rgba16f) uniform writeonly image3D voxels_centroid;
-layout(rgba16f) uniform writeonly image3D voxels_albedo;
+#endif
+#if ALBEDO
+layout(ALBEDO_FORMAT) uniform writeonly image3D voxels_albedo;
+#endif
 #if EMISSION
-layout(rgba32f) uniform writeonly image3D voxels_emission;
+layout(LIGHT_FORMAT) uniform writeonly image3D voxels_emission;
 uniform float max_emission;
+#endif
+#if RADIANCE
+layout(LIGHT_FORMAT) uniform writeonly image3D voxels_radiance;
 #endif
 
 struct Side {
@@ -124,11 +132,20 @@ void store_sheet(ivec3 cell, int axis, Sheet s, inout vec4 coverage) {
     ivec3 side_at = cell + ivec3(0, 0, (2 * axis + i) * grid.cells.z);
     Side side = s.side[i];
     float scale = s.area > 0. && side.weight > 0. ? 1. / side.weight : 0.;
+    vec3 albedo = clamp(scale * side.albedo, 0., 1.);
+#if CENTROID
     imageStore(voxels_centroid, side_at, vec4(scale * side.position, s.area));
-    imageStore(voxels_albedo, side_at, vec4(clamp(scale * side.albedo, 0., 1.), seen));
+#endif
+#if ALBEDO
+    imageStore(voxels_albedo, side_at, in_channels(albedo, seen));
+#endif
+#if RADIANCE
+    // For the light that comes next, which makes radiance of it.
+    imageStore(voxels_radiance, side_at, in_channels(albedo, 1.));
+#endif
 #if EMISSION
     // Per area of the whole side, emitting or not.
-    imageStore(voxels_emission, side_at, vec4(scale * max_emission * side.emission, 1));
+    imageStore(voxels_emission, side_at, in_channels(scale * max_emission * side.emission, 1.));
 #endif
   }
 }
