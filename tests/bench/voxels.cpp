@@ -46,14 +46,16 @@ scene::Scene with_one_that_moves(int rings) {
 }
 
 struct Run {
-  /// `keep`: what need not be done again is not, as in a run without --no-prune.
+  /// `keep`: what need not be done again is not, as in a run without --no-prune=static.
   Run(const std::string& text, const scene::Scene& made, glm::ivec2 size, std::vector<graph::Override> set, bool keep)
       : scene(made), gpu_scene(scene::GpuScene::create(scene)) {
     Diagnostics diagnostics;
     plugins::load_plugins({.dirs = {LOOM_BINARY_DIR "/lib/loom/passes"}, .installed = false}, registry, diagnostics);
     device = gpu::CachingDevice::create({.shader_roots = test::source_shader_roots(), .cache_dir = "-"});
+    std::vector<std::string> rules;
+    if (!keep) rules.emplace_back("static");
     auto compiled = graph::compile_text(text, "bench.json", registry, scene::compute_facts(scene),
-                                        {.frame_size = size, .overrides = std::move(set), .prune = keep});
+                                        {.frame_size = size, .overrides = std::move(set), .disabled_rules = rules});
     if (!compiled.graph) throw Error(compiled.diagnostics);
     renderer = graph::Renderer::create(std::move(*compiled.graph), *device, {.fingerprints = keep});
     camera = scene::make_camera(test::look_at({1.7, 1.2, 1.5}, {0, 0, 0}), scene, size);
@@ -106,7 +108,7 @@ void voxelize_moving(benchmark::State& state) {
 /// Area of one side of every sheet of every cell, in cell faces, by texel of `albedo`.
 std::vector<float> shown_areas(const Run& run) {
   std::vector<float> areas;
-  for (const glm::vec4& texel : run.renderer->output("voxelize.voxels.albedo")->read()) areas.push_back(texel.a);
+  for (const glm::vec4& texel : run.renderer->output("image")->read()) areas.push_back(texel.a);
   return areas;
 }
 
