@@ -75,8 +75,8 @@ class Lpv final : public Pass {
     for (const char* name : {"front0", "front1", "sum"}) ports.scratch(name, state, written);
     if (blocked_) {
       ports.scratch("blocked", state, written);
-      ports.scratch("open", volume(Format::rgba32ui, 1), Access::image_write);
-      ports.scratch("reflect", volume(Format::rgba32ui, 3), Access::image_write);
+      ports.scratch("open", volume(Format::rgba32ui, 1), Access::image_read_write);
+      ports.scratch("reflect", volume(Format::rgba32ui, 3), Access::image_read_write);
     } else {
       ports.decide("bounces", "one order", "no blockers are wired: nothing reflects");
     }

@@ -1,5 +1,9 @@
 // A stage of propagation as a compute shader: one invocation a cell and channel. Neighbours along x share what is cached,
 // so that a work group is as long as the grid, up to 32 cells.
+// Volumes are read as images: a texel fetch, which also has a level to choose, takes half as long again on llvmpipe.
+#define STATE layout(rgba32f) uniform readonly image3D
+#define BITS layout(rgba32ui) uniform readonly uimage3D
+#define READ(volume, at) imageLoad(volume, at)
 #include "lpv/stage.glsl"
 layout(local_size_x = ROW, local_size_y = 32 / ROW) in;
 

@@ -1,4 +1,7 @@
 // A stage of propagation as a fragment shader: volumes are layered targets, and sums are made by blending.
+#define STATE uniform sampler3D
+#define BITS uniform usampler3D
+#define READ(volume, at) texelFetch(volume, at, 0)
 #include "lpv/stage.glsl"
 
 #if STAGE == REFLECT

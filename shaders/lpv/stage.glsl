@@ -1,4 +1,5 @@
-// One texel of one stage of propagation; STAGE says which. stage.comp and stage.frag write what it returns.
+// One texel of one stage of propagation; STAGE says which. stage.comp and stage.frag write what it returns, and say how
+// a volume is declared (STATE, BITS) and read (READ).
 #include "lpv/state.glsl"
 
 #define BEGIN 0    // an order starts, from the injected flux or from what surfaces reflected: front, sum
@@ -15,11 +16,11 @@ uniform sampler3D scratch_blocked;
 uniform int order;
 uniform int cascade;
 #else
-uniform sampler3D FROM;
+STATE FROM;
 #endif
 #if BLOCKERS && STAGE != BEGIN
-uniform usampler3D scratch_open;     // x, y, z: share that a face lets through of light travelling (+, −) that axis
-uniform usampler3D scratch_reflect;  // [channel] B·ρ of the faces that light travelling (+, −) that axis leaves by
+BITS scratch_open;     // x, y, z: share that a face lets through of light travelling (+, −) that axis
+BITS scratch_reflect;  // [channel] B·ρ of the faces that light travelling (+, −) that axis leaves by
 #endif
 
 struct Result {
@@ -30,7 +31,7 @@ struct Result {
 
 #if BLOCKERS && STAGE != BEGIN
 vec4 reflected(ivec3 texel, Sent sent) {
-  uvec4 bits = texelFetch(scratch_reflect, texel, 0);
+  uvec4 bits = READ(scratch_reflect, texel);
   vec2 x = unpack_shares(bits.x) * sent.x, y = unpack_shares(bits.y) * sent.y, z = unpack_shares(bits.z) * sent.z;
   return lobes(x.x + x.y + y.x + y.y + z.x + z.y, vec3(x.y - x.x, y.y - y.x, z.y - z.x));
 }
@@ -41,7 +42,7 @@ vec4 reflected(ivec3 texel, Sent sent) {
 vec4 behind(ivec3 cell, int slab, ivec3 towards) {
   ivec3 at = cell - towards;
   bool inside = all(greaterThanEqual(at, ivec3(0))) && all(lessThan(at, grid.cells.xyz));
-  vec4 state = texelFetch(FROM, clamp(at, ivec3(0), grid.cells.xyz - 1) + ivec3(0, 0, slab), 0);
+  vec4 state = READ(FROM, clamp(at, ivec3(0), grid.cells.xyz - 1) + ivec3(0, 0, slab));
   return inside ? state : vec4(0);
 }
 
@@ -50,7 +51,7 @@ vec4 arrived(ivec3 cell, int slab) {
   float flux = 0.;
   vec3 normals = vec3(0);
 #if BLOCKERS
-  uvec4 bits = texelFetch(scratch_open, cell, 0);
+  uvec4 bits = READ(scratch_open, cell);
   vec2 open[3] = vec2[3](unpack_shares(bits.x), unpack_shares(bits.y), unpack_shares(bits.z));
 #else
   const vec2 open[3] = vec2[3](vec2(1), vec2(1), vec2(1));
@@ -81,7 +82,7 @@ Result stage(ivec3 texel) {
   int channel = int(texel.z >= grid.cells.z) + int(texel.z >= 2 * grid.cells.z), slab = channel * grid.cells.z;
 #if STAGE == REFLECT
 #if BLOCKERS
-  result.blocked = reflected(texel, sent_to_neighbours(texelFetch(FROM, texel, 0)));
+  result.blocked = reflected(texel, sent_to_neighbours(READ(FROM, texel)));
 #endif
 #else
 #if STAGE == BEGIN
