@@ -59,7 +59,7 @@ std::string command_line_of(const CLI::App& app) {
 int run(int argc, char** argv) {
   Session session;
   CLI::App app{"Lightloom: real-time global illumination, woven from passes, measured against the truth", "loom"};
-  app.set_version_flag("--version", std::string("loom ") + LOOM_VERSION);
+  app.set_version_flag("--version", program_version());
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
   for (const Add add : commands) add(app, session);

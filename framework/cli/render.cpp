@@ -15,11 +15,11 @@
 #include "cli/json_out.h"
 #include "cli/output_image.h"
 #include "cli/progress.h"
-#include "cli/sampling.h"
 #include "core/image_io.h"
 #include "gpu/context.h"
 #include "gpu/device.h"
 #include "graph/run/renderer.h"
+#include "measure/sampling.h"
 #include "scene/gpu_scene.h"
 
 namespace loom::cli {
@@ -97,7 +97,11 @@ scene::Camera camera_now(const scene::Setup& setup) {
 class Job {
  public:
   Job(const Arguments& arguments, const OutputPath& path, scene::Setup& setup, const std::string& output)
-      : arguments_(arguments), path_(path), setup_(setup), output_(output), offsets_(jitter(arguments.samples)) {}
+      : arguments_(arguments),
+        path_(path),
+        setup_(setup),
+        output_(output),
+        offsets_(measure::jitter(arguments.samples)) {}
 
   void run(graph::Renderer& renderer, scene::GpuScene& gpu_scene, glm::ivec2 size) {
     Progress progress("frame", static_cast<std::uint64_t>(arguments_.frames) * offsets_.size());
@@ -105,7 +109,7 @@ class Job {
       const double time_s = frame * arguments_.dt_s;
       if (scene::pose(setup_.scene, time_s)) gpu_scene.update();
       const bool wanted = path_.each_frame() || frame + 1 == arguments_.frames;
-      Mean mean;
+      measure::Mean mean;
       for (std::size_t sample = 0; sample < offsets_.size(); ++sample) {
         const FrameInfo info{.index = index_++,
                              .time_s = time_s,

@@ -46,6 +46,8 @@ std::string joined(const std::vector<std::string>& words);
 glm::ivec2 parse_size(const std::string& text);
 /// "12.3 MiB".
 std::string bytes_text(std::size_t bytes);
+/// "loom 0.1.0 (1a2b3c4)": version and commit, a `+` behind it where the sources were changed.
+std::string program_version();
 /// One line each to stderr.
 void report(const Diagnostics& diagnostics);
 void note(const std::string& text);

@@ -85,6 +85,7 @@ void merge_passes(Node& base, Node over) {
 
 Node merged(Node base, Node over) {
   erase(base, "extends");
+  erase(base, "measured");  // of the base, not of what is made of it
   for (auto& member : over.members) {
     Node* old = find(base, member.key);
     if (member.key == "passes" && both_objects(old, member.value)) {

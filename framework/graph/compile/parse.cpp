@@ -184,8 +184,8 @@ std::optional<Endpoint> endpoint_from(std::string_view text) {
 }
 
 Document read_document(Loaded loaded, const std::string& file, Diagnostics& diagnostics) {
-  static constexpr std::array<std::string_view, 7> keys = {"$schema", "name",   "summary", "extends",
-                                                           "inputs",  "passes", "outputs"};
+  static constexpr std::array<std::string_view, 8> keys = {"$schema", "name",   "summary", "measured",
+                                                           "extends", "inputs", "passes",  "outputs"};
   Document document;
   document.file = file;
   document.files = std::move(loaded.files);
@@ -195,6 +195,8 @@ Document read_document(Loaded loaded, const std::string& file, Diagnostics& diag
   reader.text(root, "$schema");
   document.name = reader.text(root, "name");
   document.summary = reader.text(root, "summary");
+  // What `loom tune` found of this very file: for people and other programs.
+  if (const Node* measured = root.find("measured")) reader.expect(*measured, Kind::object, "`measured`");
   document.outputs_where = root.where;
   for (auto& section : root.members) {
     if (section.key == "inputs" && reader.expect(section.value, Kind::object, "`inputs`")) {

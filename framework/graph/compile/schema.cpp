@@ -224,6 +224,7 @@ std::string pipeline_schema(const Registry& registry) {
        {{"$schema", {{"type", "string"}}},
         {"name", {{"type", "string"}}},
         {"summary", {{"type", "string"}}},
+        {"measured", {{"type", "object"}, {"description", "what loom tune found of this pipeline; nothing reads it"}}},
         {"extends", {{"type", "string"}, {"description", "the pipeline this one varies; relative to this file"}}},
         {"inputs", named(input_schema(registry))},
         {"passes", named({{"$ref", "#/definitions/pass"}})},

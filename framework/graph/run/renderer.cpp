@@ -212,7 +212,7 @@ class RendererImpl final : public Renderer {
 
   [[nodiscard]] FrameTimes frame_times() const override {
     collect_times(true);
-    return {wall_ms_.median(), frame_gpu_ms_.median(), frame_cpu_ms_.median()};
+    return {wall_ms_.median(), frame_gpu_ms_.median(), frame_cpu_ms_.median(), frame_gpu_ms_.quantile(.95)};
   }
 
   [[nodiscard]] std::vector<FiniteReport> finite_reports() const override { return finite_; }

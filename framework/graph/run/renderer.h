@@ -26,7 +26,7 @@ struct PassTimes {
   double gpu_median_ms = 0, gpu_p95_ms = 0, cpu_median_ms = 0;
 };
 struct FrameTimes {
-  double wall_median_ms = 0, gpu_median_ms = 0, cpu_median_ms = 0;
+  double wall_median_ms = 0, gpu_median_ms = 0, cpu_median_ms = 0, gpu_p95_ms = 0;
 };
 
 struct RendererOptions {

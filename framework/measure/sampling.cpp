@@ -1,4 +1,4 @@
-#include "cli/sampling.h"
+#include "measure/sampling.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 #include "core/srgb.h"
 
-namespace loom::cli {
+namespace loom::measure {
 namespace {
 
 /// The bits of `i` mirrored: van der Corput's sequence times 2³².
@@ -63,4 +63,4 @@ graph::ReadImage Mean::image() const {
   return mean;
 }
 
-}  // namespace loom::cli
+}  // namespace loom::measure

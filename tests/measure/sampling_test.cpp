@@ -1,5 +1,5 @@
 // Sub-pixel samples and their mean.
-#include "cli/sampling.h"
+#include "measure/sampling.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "core/srgb.h"
 
-namespace loom::cli {
+namespace loom::measure {
 namespace {
 
 TEST(Jitter, OneSampleIsTheCentre) {
@@ -65,4 +65,4 @@ TEST(SampleMean, DisplayValuesAreAveragedAsLight) {
 }
 
 }  // namespace
-}  // namespace loom::cli
+}  // namespace loom::measure
