@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -21,8 +22,11 @@ void Progress::show(std::uint64_t done) {
   shown_ = true;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const double left = elapsed * static_cast<double>(total_ - done) / static_cast<double>(done);
-  std::fprintf(stderr, "\r\033[K%s %llu/%llu, %.0f s left", label_.c_str(), static_cast<unsigned long long>(done),
-               static_cast<unsigned long long>(total_), left);
+  constexpr std::uint64_t width = 24;
+  std::string bar(width, ' ');
+  std::fill_n(bar.begin(), std::min(done, total_) * width / total_, '=');
+  std::fprintf(stderr, "\r\033[K[%s] %s %llu/%llu, %.0f s left", bar.c_str(), label_.c_str(),
+               static_cast<unsigned long long>(done), static_cast<unsigned long long>(total_), left);
 }
 
 }  // namespace loom::cli

@@ -1,5 +1,5 @@
 #pragma once
-// A progress line on stderr, with the time that is left. Only where stderr is a terminal.
+// A progress bar on stderr, with the time that is left. Only where stderr is a terminal.
 #include <chrono>
 #include <cstdint>
 #include <string>

@@ -127,7 +127,7 @@ TEST_F(SweepFile, NamesEveryMistakeAtItsPlace) {
     "in": { "surface": "g.surface" } } }, "outputs": { "image": "v.image" } })";
   EXPECT_THAT(
       complaint([&] { points(R"(["bare.json"])"); }),
-      AllOf(HasSubstr("sweep.json:1:46: error[bad-pipeline]: `bare.json` cannot be measured"), HasSubstr("hdr")));
+      AllOf(HasSubstr("sweep.json:1:44: error[bad-pipeline]: `bare.json` cannot be measured"), HasSubstr("hdr")));
 }
 
 TEST_F(SweepFile, ShippedSweepsFitTheSchemaAndThePasses) {

@@ -104,6 +104,7 @@ class KnobValues {
       return {};
     }
     std::vector<Node> values;
+    values.reserve(static_cast<std::size_t>(knob_.steps));
     for (int i = 0; i < knob_.steps; ++i) {
       const double t = knob_.steps == 1 ? 0 : static_cast<double>(i) / (knob_.steps - 1);
       values.push_back(number(by_ratio ? from * std::pow(to / from, t) : from + t * (to - from)));
@@ -151,6 +152,7 @@ std::vector<std::vector<graph::Override>> grid(const SweepEntry& entry, const Re
     const auto pass = std::find_if(passes.begin(), passes.end(), [&](const auto& p) { return p.name == knob.pass; });
     if (pass == passes.end()) {
       std::vector<std::string> names;
+      names.reserve(passes.size());
       for (const graph::CompiledPass& p : passes) names.push_back(p.name);
       const std::string near = nearest_name(knob.pass, names);
       diagnostics.error("unknown-pass", '`' + entry.name + "` has no pass `" + knob.pass + '`', knob.where,

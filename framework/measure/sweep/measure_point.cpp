@@ -212,6 +212,7 @@ OutputError error_of(const std::vector<Pictures>& seeds, const std::string& outp
                      const std::string& heatmap) {
   const Layer reference = find_layer(truth, output == "hdr" ? "RGB" : output);
   std::vector<ImageFile> pictures;
+  pictures.reserve(seeds.size());
   for (const Pictures& seed : seeds)
     pictures.push_back({.path = output, .image = layers_of(seed.at(output)), .hdr = true});
   OutputError error;

@@ -152,6 +152,7 @@ void write_picture(const std::string& path, const SceneJob& job, const Truth& tr
   const graph::ReadImage image = renderer->read("image");
   glDeleteTextures(1, &texture);
   std::vector<glm::vec3> pixels;
+  pixels.reserve(image.texels.size());
   for (const glm::vec4& texel : image.texels) pixels.emplace_back(texel);
   write_png(path, image.width, image.height, pixels);
 }

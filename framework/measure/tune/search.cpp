@@ -72,6 +72,7 @@ class Searcher {
       if (!fresh && distance < found->second.first) found->second = {distance, i};
     }
     std::vector<std::size_t> list;
+    list.reserve(nearest.size());
     for (const auto& [pipeline, middle] : nearest) list.push_back(middle.second);
     return list;
   }
