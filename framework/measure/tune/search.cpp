@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <set>
 
 #include "measure/tune/gaussian_process.h"
 
@@ -44,10 +43,12 @@ class Searcher {
       : candidates_(candidates), promise_(promise), search_(search) {}
 
   void run(std::size_t evaluations, const std::function<Observation(std::size_t)>& measure) {
+    std::size_t first = (2 * evaluations + 2) / 3;
     for (const std::size_t middle : middles()) {
-      if (evaluations == 0) break;
+      if (first == 0) break;
       if (search_.seen.contains(middle)) continue;
       see(middle, measure(middle));
+      --first;
       --evaluations;
     }
     choose();
@@ -62,18 +63,31 @@ class Searcher {
  private:
   void see(std::size_t candidate, const Observation& o) { search_.seen[candidate] = o; }
 
-  /// The candidate of each pipeline whose knobs are nearest to half-way.
+  /// The candidate of each pipeline whose knobs are nearest to half-way; the largest grids first, where there is most
+  /// to find.
   [[nodiscard]] std::vector<std::size_t> middles() const {
-    std::map<std::string, std::pair<double, std::size_t>> nearest;
+    struct Middle {
+      std::size_t size = 0, candidate = 0;
+      double distance = std::numeric_limits<double>::infinity();
+    };
+    std::map<std::string, Middle> nearest;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      Middle& middle = nearest[candidates_[i].pipeline];
+      ++middle.size;
       double distance = 0;
       for (const auto& [name, rank] : candidates_[i].knobs) distance += (rank - .5) * (rank - .5);
-      const auto [found, fresh] = nearest.try_emplace(candidates_[i].pipeline, distance, i);
-      if (!fresh && distance < found->second.first) found->second = {distance, i};
+      if (distance < middle.distance) {
+        middle.distance = distance;
+        middle.candidate = i;
+      }
     }
+    std::vector<Middle> order;
+    order.reserve(nearest.size());
+    for (const auto& [pipeline, middle] : nearest) order.push_back(middle);
+    std::stable_sort(order.begin(), order.end(), [](const Middle& a, const Middle& b) { return a.size > b.size; });
     std::vector<std::size_t> list;
-    list.reserve(nearest.size());
-    for (const auto& [pipeline, middle] : nearest) list.push_back(middle.second);
+    list.reserve(order.size());
+    for (const Middle& middle : order) list.push_back(middle.candidate);
     return list;
   }
 
