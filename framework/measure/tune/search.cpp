@@ -4,17 +4,18 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "measure/tune/gaussian_process.h"
 
 namespace loom::measure {
 namespace {
 
-// In natural logarithms. Pipelines differ by orders of magnitude, a knob by about one from end to end; a measured time
+// In natural logarithms. Pipelines differ by orders of magnitude, a knob by less from end to end; a measured time
 // scatters by some per cent.
 constexpr double pipeline_sd = 1.5;
-constexpr double trend_sd = 1.0;     // of a knob's slope that all pipelines share
-constexpr double shape_sd = .8;      // of what a pipeline does with its knobs besides
+constexpr double trend_sd = .5;      // of a knob's slope that all pipelines share
+constexpr double shape_sd = .4;      // of what a pipeline does with its knobs besides
 constexpr double shape_length = .7;  // in ranks, over which that changes
 constexpr double noise_sd = .05;
 /// An expected improvement below this share is not worth a measurement.
@@ -43,7 +44,7 @@ class Searcher {
       : candidates_(candidates), promise_(promise), search_(search) {}
 
   void run(std::size_t evaluations, const std::function<Observation(std::size_t)>& measure) {
-    std::size_t first = (2 * evaluations + 2) / 3;
+    std::size_t first = (evaluations + 1) / 2;
     for (const std::size_t middle : middles()) {
       if (first == 0) break;
       if (search_.seen.contains(middle)) continue;
@@ -84,7 +85,9 @@ class Searcher {
     std::vector<Middle> order;
     order.reserve(nearest.size());
     for (const auto& [pipeline, middle] : nearest) order.push_back(middle);
-    std::stable_sort(order.begin(), order.end(), [](const Middle& a, const Middle& b) { return a.size > b.size; });
+    std::stable_sort(order.begin(), order.end(), [](const Middle& a, const Middle& b) {
+      return std::pair(a.size > 1, b.size) < std::pair(b.size > 1, a.size);
+    });
     std::vector<std::size_t> list;
     list.reserve(order.size());
     for (const Middle& middle : order) list.push_back(middle.candidate);

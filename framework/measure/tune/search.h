@@ -41,8 +41,8 @@ struct Search {
 /// Measures at most `evaluations` more candidates. Bayesian optimisation under a constraint (Gardner et al. 2014): two
 /// Gaussian processes, over the logarithms of time and error, learn from every measurement what the pipelines and the
 /// knobs do; the next candidate is the one of the largest expected improvement times probability of keeping the
-/// promise. At most two thirds of the measurements go first to the middles of the pipelines' grids, the largest ones in
-/// front. Ends early where nothing better is to be expected. Deterministic.
+/// promise. Half of the measurements go first to pipelines without knobs and to the middles of the grids, the largest
+/// ones in front. Ends early where nothing better is to be expected. Deterministic.
 LOOM_API void search(const std::vector<Candidate>& candidates, const Promise& promise, std::size_t evaluations,
                      const std::function<Observation(std::size_t)>& measure, Search& search);
 
