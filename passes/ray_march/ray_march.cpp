@@ -5,16 +5,19 @@
 // L what the sheets on the way send back, each weighted by the share of the ray that reaches it (DDA through partial
 // occupancy, shaders/lib/voxels.glsl). The sheets send what they reflect: of all orders where `light` is wired
 // (Radiosity), else of straight light alone. Three ways, from dear to cheap:
-//   rays    from every pixel (`irradiance`);
+//   rays    from every pixel (`irradiance`), and of those some aimed at what shines most: a lit shade around a lamp is
+//           small, and met by chance it makes speckles (shaders/ray_march/aim.glsl);
 //   cones   from every pixel, over a pyramid of ever coarser cells: no noise, but blocked too early;
 //   volume  rays from the cells of a coarse grid, as two-band SH for GatherVolume (`volume`): independent of the
 //   picture.
 #include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include "interop/grid.h"
 #include "loom/grid.h"
@@ -24,11 +27,19 @@ namespace {
 
 using namespace loom;
 
+/// Sides of sheets that the aimed rays of one frame go to.
+constexpr std::size_t targets = 4096;
+
 class RayMarch final : public Pass {
  public:
   void params(Params& p) override {
     p.choice("method", method_, {"rays", "cones"}, {.cost = Cost::graph, .doc = "how `irradiance` is found"});
     p.integer("rays", rays_, {.min = 1, .max = 4096, .scale = Scale::log, .doc = "rays a pixel and frame, or a probe"});
+    p.integer("aimed", aimed_,
+              {.min = 0,
+               .max = 4096,
+               .cost = Cost::graph,
+               .doc = "rays a pixel and frame besides, aimed at the sheets that shine most"});
     p.integer("cones", cones_, {.min = 4, .max = 256, .scale = Scale::log, .doc = "cones a pixel"});
     p.integer("probes", probes_,
               {.min = 1,
@@ -70,8 +81,13 @@ class RayMarch final : public Pass {
     cells.filter = Filter::linear;
     for (const char* channel : {"red", "green", "blue"}) volume.texture(channel, cells, Access::image_write);
 
-    if (method_ == "cones") {
-      if (const TextureDesc* coverage = voxels.texture("coverage")) scratch_pyramid(ports, *coverage);
+    if (const TextureDesc* coverage = voxels.texture("coverage")) {
+      if (method_ == "cones") {
+        scratch_levels(ports, "pyramid", *coverage, Format::rgba16f, 6);
+      } else if (aimed_ > 0) {
+        scratch_levels(ports, "power", *coverage, Format::r32f, 1);
+        ports.scratch("targets", BufferDesc{(1 + targets) * sizeof(glm::ivec4)});
+      }
     }
     if (surface.absent() && !facts.moves && ports.rule("static")) ports.keep_outputs();
   }
@@ -79,22 +95,27 @@ class RayMarch final : public Pass {
   void prepare(Device& device, const Bindings& bindings) override {
     const std::vector<Define> defines{{"LIGHT", has_light_ ? "light_radiance" : "voxels_radiance"},
                                       {"EMITTER", emitter_ ? "1" : "0"},
-                                      {"EMISSION", emission_ ? "1" : "0"}};
+                                      {"EMISSION", emission_ ? "1" : "0"},
+                                      {"AIMED", aimed_ > 0 ? "1" : "0"}};
     const auto program = [&](const char* file) { return device.program({.files = {file}, .defines = defines}); };
-    pixels_ = base_ = reduce_ = volume_ = nullptr;
+    pixels_ = base_ = reduce_ = draw_ = volume_ = nullptr;
     if (bindings.has("irradiance.irradiance")) {
       const bool cones = method_ == "cones";
       pixels_ = program(cones ? "ray_march/cones.comp" : "ray_march/march.comp");
       if (cones) {
         base_ = program("ray_march/pyramid_base.comp");
         reduce_ = program("ray_march/pyramid_reduce.comp");
+      } else if (aimed_ > 0) {
+        base_ = program("ray_march/power_base.comp");
+        reduce_ = program("ray_march/power_reduce.comp");
+        draw_ = program("ray_march/draw_targets.comp");
       }
     }
     if (bindings.has("volume.red")) volume_ = program("ray_march/volume.comp");
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
-    if (base_) build_pyramid(frame, bindings);
+    if (base_) build_levels(frame, bindings);
     if (pixels_) frame.dispatch(*pixels_, bindings, {frame.size(), 1});
     if (!volume_) return;
     bindings.publish("volume", probe_grid_);
@@ -110,8 +131,8 @@ class RayMarch final : public Pass {
     return {(cells.x + round_up) >> level, (cells.y + round_up) >> level, (cells.z + round_up) >> level};
   }
 
-  /// Levels down to one cell, one beside the other; six directions, one behind the other.
-  void scratch_pyramid(Ports& ports, const TextureDesc& coverage) {
+  /// Levels down to one cell, one beside the other; slabs one behind the other.
+  void scratch_levels(Ports& ports, const char* name, const TextureDesc& coverage, Format format, int slabs) {
     const glm::ivec3 cells(coverage.width, coverage.height, coverage.depth);
     levels_ = 1;
     int width = cells.x;
@@ -121,31 +142,41 @@ class RayMarch final : public Pass {
       ++levels_;
     }
     TextureDesc desc = coverage;
-    desc.format = Format::rgba16f;
+    desc.format = format;
     desc.filter = Filter::linear;
     desc.width = width;
-    desc.depth *= 6;
-    ports.scratch("pyramid", desc, Access::image_read_write);
+    desc.depth *= slabs;
+    slabs_ = slabs;
+    ports.scratch(name, desc, Access::image_read_write);
   }
 
-  void build_pyramid(Frame& frame, const Bindings& bindings) const {
+  void build_levels(Frame& frame, const Bindings& bindings) const {
     const glm::ivec3 cells(bindings.data<interop::Grid>("voxels").cells);
-    frame.dispatch(*base_, bindings, {bindings.texture("scratch.pyramid").desc().width, cells.y, 6 * cells.z});
+    // The pyramid of directions is filtered, and so written whole.
+    const int width = slabs_ > 1 ? bindings.texture("scratch.pyramid").desc().width : cells.x;
+    frame.dispatch(*base_, bindings, {width, cells.y, slabs_ * cells.z});
     frame.barrier();
     for (int level = 1; level < levels_; ++level) {
       const glm::ivec3 coarse = level_cells(cells, level);
       reduce_->set("level", level);
-      frame.dispatch(*reduce_, bindings, {coarse.x, coarse.y, 6 * coarse.z});
+      frame.dispatch(*reduce_, bindings, {coarse.x, coarse.y, slabs_ * coarse.z});
       frame.barrier();
     }
-    pixels_->set("levels", levels_);
+    if (draw_) {
+      draw_->set("levels", levels_);
+      frame.dispatch(*draw_, bindings, {static_cast<int>(targets), 1, 1});
+      frame.barrier();
+    } else {
+      pixels_->set("levels", levels_);
+    }
   }
 
   std::string method_ = "rays";
-  int rays_ = 64, cones_ = 32, probes_ = 8, levels_ = 1;
+  int rays_ = 64, aimed_ = 0, cones_ = 32, probes_ = 8;
+  int levels_ = 1, slabs_ = 1;  // of the pyramid
   bool emitter_ = false, emission_ = false, has_light_ = false;
   interop::Grid probe_grid_{};
-  std::shared_ptr<const Program> pixels_, base_, reduce_, volume_;
+  std::shared_ptr<const Program> pixels_, base_, reduce_, draw_, volume_;
 };
 
 }  // namespace

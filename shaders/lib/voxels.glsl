@@ -6,6 +6,8 @@
 //
 // The including file may define
 //   SHEET_RADIANCE(cell, slab)  exitant radiance of the side of a sheet in slab 2·axis + side; without it: 0
+//   SHEET_LIGHT(cell, slab, coverage, t, facing)  what of that counts for a ray that meets the side at t, in cells, with
+//                               the cosine `facing`; without it: all
 #ifndef LOOM_LIB_VOXELS_GLSL
 #define LOOM_LIB_VOXELS_GLSL
 #include "interop/grid.h"
@@ -20,6 +22,9 @@ uniform sampler3D voxels_extent;
 
 #ifndef SHEET_RADIANCE
 #define SHEET_RADIANCE(cell, slab) vec3(0)
+#endif
+#ifndef SHEET_LIGHT
+#define SHEET_LIGHT(cell, slab, coverage, t, facing) SHEET_RADIANCE(cell, slab)
 #endif
 
 struct March {
@@ -43,35 +48,44 @@ struct Ray {
   vec3 normal;     // of the surface that it leaves; 0: none
 };
 
-// Where the ray meets the sheet of `axis`, in cells along it, if that lies between `enter` and `leave`.
-float cross_sheet(Ray ray, ivec3 cell, int axis, float enter, float leave, out bool positive) {
+// The rectangle of a sheet as rays meet it. Where it ends inside its cell it ends: a seam there would make a lamp that is
+// smaller than its cell larger than it is.
+vec4 met_extent(ivec3 cell, int axis) {
+  vec4 extent = texelFetch(voxels_extent, cell + ivec3(0, 0, axis * grid.cells.z), 0);
+  const float face = 1.5 / 255.;
+  return extent + SEAM * vec4(-step(extent.xy, vec2(face)), step(1. - face, extent.zw));
+}
+
+// Where the ray meets the sheet of `axis`, in cells along it, if that lies between `enter` and `leave`. `along`:
+// ⟨n, direction⟩, negative where its positive side is met.
+float cross_sheet(Ray ray, ivec3 cell, int axis, float enter, float leave, out float along) {
   vec4 plane = texelFetch(voxels_plane, cell + ivec3(0, 0, axis * grid.cells.z), 0);
   vec3 n = normalize(plane.xyz);
-  float along = dot(n, ray.direction);
-  positive = along < 0.;
+  along = dot(n, ray.direction);
   vec3 from = ray.origin - (vec3(cell) + .5);
   float gap = plane.w - dot(n, from);
   if (abs(gap) < OWN_DISTANCE && abs(dot(n, ray.normal)) > OWN_COSINE) return no_crossing;
   float t = gap / (abs(along) > 1e-12 ? along : 1e-12);
   if (!(t > 0. && t >= enter - SEAM && t <= leave + SEAM)) return no_crossing;
-  vec4 extent = texelFetch(voxels_extent, cell + ivec3(0, 0, axis * grid.cells.z), 0);
+  vec4 extent = met_extent(cell, axis);
   vec2 at = turn_axis_last(from + t * ray.direction, axis).xy + .5;
-  bool inside = all(greaterThanEqual(at, extent.xy - SEAM)) && all(lessThanEqual(at, extent.zw + SEAM));
+  bool inside = all(greaterThanEqual(at, extent.xy)) && all(lessThanEqual(at, extent.zw));
   return inside ? t : no_crossing;
 }
 
 // What one cell does to the ray: its sheets, nearest first.
 void cross_cell(Ray ray, ivec3 cell, vec3 coverage, float enter, float leave, inout March march) {
-  vec3 at = vec3(no_crossing);
+  vec3 at = vec3(no_crossing), along = vec3(0);
   ivec3 slab = ivec3(0);
   // Sheet by sheet and not axis by axis: the lanes of a SIMD group have theirs on different axes.
   vec3 left = coverage;
   while (left != vec3(0)) {
     int axis = left.x > 0. ? 0 : left.y > 0. ? 1 : 2;
     left[axis] = 0.;
-    bool positive;
-    at[axis] = cross_sheet(ray, cell, axis, enter, leave, positive);
-    slab[axis] = 2 * axis + (positive ? 0 : 1);
+    float facing;
+    at[axis] = cross_sheet(ray, cell, axis, enter, leave, facing);
+    along[axis] = facing;
+    slab[axis] = 2 * axis + (facing < 0. ? 0 : 1);
   }
   // Sheets of one cell are pieces of one surface, side by side: what they cover adds up. Those of different cells are
   // independent: what they let through multiplies.
@@ -81,7 +95,8 @@ void cross_cell(Ray ray, ivec3 cell, vec3 coverage, float enter, float leave, in
     if (at[axis] == no_crossing) return;
     float covered = min(coverage[axis], open);
     open -= covered;
-    march.radiance += arriving * covered * SHEET_RADIANCE(cell, slab[axis]);
+    march.radiance +=
+        arriving * covered * SHEET_LIGHT(cell, slab[axis], coverage[axis], at[axis], abs(along[axis]));
     float before = march.transmittance;
     march.transmittance = arriving * open;
     if (before >= .5 && march.transmittance < .5) march.distance = at[axis] * grid.cascade[0].w;

@@ -1,11 +1,20 @@
-// Irradiance at the visible surface: cosine-distributed rays through the voxels, E = π/N · Σ L.
+// Irradiance at the visible surface: cosine-distributed rays through the voxels, E = π/N · Σ L, and rays aimed at what
+// shines most.
 #include "interop/camera.h"
 #include "interop/frame.h"
 #include "lib/camera.glsl"
 #include "lib/sampling.glsl"
 #include "ray_march/exitant.glsl"
+uniform int rays;
+#if AIMED
+vec3 light_of_crossing(ivec3 cell, int slab, float coverage, float t, float facing);
+#define SHEET_LIGHT(cell, slab, coverage, t, facing) light_of_crossing(cell, slab, coverage, t, facing)
+#endif
 // After what sheets send out is known.
 #include "lib/voxels.glsl"
+#if AIMED
+#include "ray_march/aim.glsl"
+#endif
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(std140) uniform frame_data { FrameData frame; };
@@ -14,7 +23,51 @@ uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
 layout(rgba32f) uniform writeonly image2D irradiance_irradiance;
-uniform int rays;
+
+struct Point {
+  vec3 position, normal, geometric_normal;
+  uint seed;
+};
+
+// Σ L over the cosine-distributed rays.
+vec3 gather(Point x) {
+  vec3 sum = vec3(0);
+  for (int k = 0; k < rays; ++k) {
+    // The sub-pixel samples of one pixel continue one sequence.
+    vec3 w = cosine_hemisphere(low_discrepancy(frame.random.z * uint(rays) + uint(k), x.seed), x.normal);
+    if (dot(w, x.geometric_normal) <= 0.) continue;
+#if AIMED
+    ray_density = dot(w, x.normal) * inverse_pi;
+#endif
+    March ray = march(x.position, w, x.geometric_normal, 1e30);
+    sum += ray.radiance;
+#if EMITTER
+    sum += ray.transmittance * frame.sky.rgb;
+#endif
+  }
+  return sum;
+}
+
+#if AIMED
+// The same over the aimed rays, weighted to the same scale.
+vec3 aim(Point x) {
+  vec3 origin = grid_coordinates(grid, 0, x.position), sum = vec3(0);
+  uint seeds[2] = uint[2](hash(uvec4(x.seed, 1u, 0u, 0u)).x, hash(uvec4(x.seed, 2u, 0u, 0u)).x);
+  for (int k = 0; k < aimed; ++k) {
+    uint i = frame.random.z * uint(aimed) + uint(k);
+    target = targets[min(int(low_discrepancy(i, seeds[0]).x * float(target_count)), target_count - 1)];
+    if (target.w < 0) continue;
+    vec3 d = point_on(target, low_discrepancy(i, seeds[1])) - origin;
+    float t = length(d);
+    vec3 w = d / max(t, 1e-6);
+    ray_density = dot(w, x.normal) * inverse_pi;
+    if (ray_density <= 0. || dot(w, x.geometric_normal) <= 0.) continue;
+    sum += march(x.position, w, x.geometric_normal, (t + 2. * SEAM) * grid.cascade[0].w).radiance;
+  }
+  target.w = -1;
+  return sum;
+}
+#endif
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -22,20 +75,15 @@ void main() {
   float depth = texelFetch(surface_depth, pixel, 0).r;
   vec3 sum = vec3(0);
   if (depth > 0.) {
-    vec3 x = surface_position(camera, pixel_uv(camera, pixel), depth);
-    vec3 n = normalize(texelFetch(surface_normal, pixel, 0).xyz);
-    vec3 n_g = normalize(texelFetch(surface_geometric_normal, pixel, 0).xyz);
-    uint seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x6d617263u);
-    for (int k = 0; k < rays; ++k) {
-      // The sub-pixel samples of one pixel continue one sequence.
-      vec3 w = cosine_hemisphere(low_discrepancy(frame.random.z * uint(rays) + uint(k), seed), n);
-      if (dot(w, n_g) <= 0.) continue;
-      March ray = march(x, w, n_g, 1e30);
-      sum += ray.radiance;
-#if EMITTER
-      sum += ray.transmittance * frame.sky.rgb;
+    Point x;
+    x.position = surface_position(camera, pixel_uv(camera, pixel), depth);
+    x.normal = normalize(texelFetch(surface_normal, pixel, 0).xyz);
+    x.geometric_normal = normalize(texelFetch(surface_geometric_normal, pixel, 0).xyz);
+    x.seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x6d617263u);
+#if AIMED
+    if (total_power > 0.) sum += aim(x);
 #endif
-    }
+    sum += gather(x);
   }
   imageStore(irradiance_irradiance, pixel, vec4(sum * (pi / float(rays)), 1));
 }
