@@ -61,7 +61,7 @@ struct Run {
     camera = scene::make_camera(test::look_at({1.7, 1.2, 1.5}, {0, 0, 0}), scene, size);
     frame();
   }
-  void frame() { renderer->render(*gpu_scene, camera, {.index = index++}); }
+  void frame(std::uint32_t seed = 0) { renderer->render(*gpu_scene, camera, {.index = index++, .seed = seed}); }
 
   scene::Scene scene;
   std::unique_ptr<scene::GpuScene> gpu_scene;
@@ -150,6 +150,26 @@ void march(benchmark::State& state) {
   measure(state, run);
 }
 
+// Injection of 6·256² texels of a point light and propagation over 16 steps, 32³. Another seed in each frame makes both
+// run again, while the light layers, which alone depend on the triangles, are kept.
+void inject_and_propagate(benchmark::State& state) {
+  Run run(R"({ "passes": {
+      "rsm": { "type": "RSM", "params": { "size": 256 } },
+      "inject": { "type": "Inject", "in": { "lights": "rsm.lights" }, "params": { "grid": 32 } },
+      "lpv": { "type": "LPV", "in": { "flux": "inject.flux", "blockers": "inject.blockers" } } },
+    "outputs": { "image": "lpv.intensity" } })",
+          sphere_in_a_box(static_cast<int>(state.range(0))), {8, 8}, {{"lpv", "iterations", "16"}}, true);
+  state.counters["triangles"] = static_cast<double>(run.gpu_scene->facts().triangles);
+  std::uint32_t seed = 0;
+  for (auto _ : state) {
+    const std::clock_t start = std::clock();
+    run.frame(++seed);
+    state.SetIterationTime(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    if (run.renderer->kept_passes() != std::vector<std::string>{"rsm"}) state.SkipWithError("the wrong passes ran");
+  }
+}
+
+BENCHMARK(inject_and_propagate)->Arg(32)->Arg(64)->Arg(128)->Arg(256)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(voxelize)->Arg(32)->Arg(64)->Arg(128)->Arg(256)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(voxelize_moving)
     ->ArgNames({"rings", "apart"})
