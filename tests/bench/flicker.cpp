@@ -10,13 +10,12 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "gpu/device.h"
 #include "loom/diagnostic.h"
 #include "measure/flicker.h"
 #include "scene/load.h"
 #include "scene/scene.h"
 #include "support/bench.h"
-#include "support/gl.h"
+#include "volume_pipelines.h"
 
 namespace {
 
@@ -48,25 +47,11 @@ double flicker_of(Device& device, const std::string& pipeline, glm::dvec3 light_
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string why;
-  if (!test::shared_context(why)) return std::fprintf(stderr, "%s\n", why.c_str()), 1;
-  const auto device = gpu::CachingDevice::create({.shader_roots = test::source_shader_roots(), .cache_dir = "-"});
+  const auto device = test::table_device();
+  if (!device) return 1;
   const double voxel = 5.6 / 30;  // of the box in a grid of 32, metres
-  std::vector<std::string> pipelines(argv + 1, argv + argc);
-  if (pipelines.empty()) {
-    pipelines = {"rsm",
-                 "lpv",
-                 "lpv-cascaded",
-                 "lpv-surface",
-                 "lpv-voxel",
-                 "radiance-field",
-                 "radiance-field-voxel",
-                 "ray-march",
-                 "ray-march-probes",
-                 "cone-trace"};
-  }
   std::puts("| pipeline | light moves | camera moves |\n|---|---|---|");
-  for (const std::string& pipeline : pipelines) {
+  for (const std::string& pipeline : test::volume_pipelines(argc, argv)) {
     const double light = flicker_of(*device, pipeline, {.1 * voxel, 0, .05 * voxel}, {0, 0, 0});
     const double camera = flicker_of(*device, pipeline, {0, 0, 0}, {.1 * voxel, .03 * voxel, 0});
     std::printf("| %s | %.4f | %.4f |\n", pipeline.c_str(), light, camera);

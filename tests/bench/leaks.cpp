@@ -9,12 +9,11 @@
 
 #include <glm/vec3.hpp>
 
-#include "gpu/device.h"
 #include "graph/compile/compile.h"
 #include "scene/scene.h"
 #include "support/bench.h"
-#include "support/gl.h"
 #include "support/scene_builders.h"
+#include "volume_pipelines.h"
 
 namespace {
 
@@ -60,23 +59,10 @@ double leak(Device& device, const std::string& pipeline, float thickness) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string why;
-  if (!test::shared_context(why)) return std::fprintf(stderr, "%s\n", why.c_str()), 1;
-  const auto device = gpu::CachingDevice::create({.shader_roots = test::source_shader_roots(), .cache_dir = "-"});
-  std::vector<std::string> pipelines(argv + 1, argv + argc);
-  if (pipelines.empty()) {
-    pipelines = {"rsm",
-                 "lpv",
-                 "lpv-cascaded",
-                 "lpv-voxel",
-                 "radiance-field",
-                 "radiance-field-voxel",
-                 "ray-march",
-                 "ray-march-probes",
-                 "cone-trace"};
-  }
+  const auto device = test::table_device();
+  if (!device) return 1;
   std::puts("| pipeline | .1 | .25 | .5 | 1 | 2 |\n|---|---|---|---|---|---|");
-  for (const std::string& pipeline : pipelines) {
+  for (const std::string& pipeline : test::volume_pipelines(argc, argv)) {
     std::printf("| %s", pipeline.c_str());
     for (const float thickness : {.1F, .25F, .5F, 1.F, 2.F}) {
       std::printf(" | %.4f", leak(*device, pipeline, thickness));
