@@ -31,7 +31,7 @@ LoadedScene load_scene(const std::string& scene, const std::string& camera) {
   return loaded;
 }
 
-void add_compile_options(CLI::App& command, CompileArguments& arguments) {
+void add_scene_options(CLI::App& command, CompileArguments& arguments) {
   command.add_option("scene", arguments.scene,
                      "A .gltf, .glb or run file (.json), or the name of a shipped one; "
                      "without it the built-in Cornell box");
@@ -41,9 +41,20 @@ void add_compile_options(CLI::App& command, CompileArguments& arguments) {
       ->type_name("PASS.PARAM=VALUE")
       ->allow_extra_args(false);
   command.add_option("--camera", arguments.camera, "A camera's name in the file, or a JSON object as in a run file");
+}
+
+void add_compile_options(CLI::App& command, CompileArguments& arguments) {
+  add_scene_options(command, arguments);
   command.add_flag("--no-prune{all}", arguments.no_prune,
                    "Leave nothing out and run every pass every frame; --no-prune=RULE switches one rule off");
   command.add_flag("--no-alias", arguments.no_alias, "Give every texture storage of its own");
+}
+
+std::vector<graph::Override> parse_overrides(const std::vector<std::string>& set) {
+  std::vector<graph::Override> overrides;
+  overrides.reserve(set.size());
+  for (const std::string& text : set) overrides.push_back(parse_override(text));
+  return overrides;
 }
 
 graph::CompileOptions compile_options(const CompileArguments& arguments, const scene::Setup& setup) {

@@ -28,6 +28,10 @@ struct CompileArguments {
   bool no_alias = false;
 };
 void add_compile_options(CLI::App& command, CompileArguments& arguments);
+/// Those of them that say what is seen: scene, pipeline, size, parameters, camera.
+void add_scene_options(CLI::App& command, CompileArguments& arguments);
+/// The values of --set. Throws BadInput.
+std::vector<graph::Override> parse_overrides(const std::vector<std::string>& set);
 /// `--set` after what the run file sets; --size, the run file's size, or 512x512.
 graph::CompileOptions compile_options(const CompileArguments& arguments, const scene::Setup& setup);
 /// -p, or the run file's pipeline. Throws BadInput that lists the shipped ones where there is neither.

@@ -1,8 +1,6 @@
 #pragma once
-// From an output of the graph to a picture file.
+// The value of -o.
 #include <string>
-
-#include "graph/run/renderer.h"
 
 namespace loom::cli {
 
@@ -20,10 +18,5 @@ class OutputPath {
   int width_ = -1;  ///< digits of the frame number, −1: no number
   bool png_ = false;
 };
-
-/// Writes the picture. EXR: R, G, B in 32-bit float, attributes loom:quantity and loom:output (`output`, by which
-/// compare tells bounce from indirect irradiance). PNG: display-referred values as they are; anything else clamped to
-/// [0, 1] and sRGB-encoded. Layers and slices are laid side by side, in rows.
-void write_image(const std::string& path, bool png, const graph::ReadImage& image, const std::string& output);
 
 }  // namespace loom::cli

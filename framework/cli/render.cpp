@@ -19,6 +19,7 @@
 #include "gpu/context.h"
 #include "gpu/device.h"
 #include "graph/run/renderer.h"
+#include "measure/picture.h"
 #include "measure/sampling.h"
 #include "scene/gpu_scene.h"
 
@@ -122,7 +123,7 @@ class Job {
         progress.show(index_);
       }
       if (arguments_.check_finite) check_finite(renderer);
-      if (wanted) write_image(path_.of_frame(frame), path_.is_png(), mean.image(), output_);
+      if (wanted) measure::write_image(path_.of_frame(frame), path_.is_png(), mean.image(), output_);
     }
   }
 

@@ -76,6 +76,12 @@ class DeviceImpl final : public CachingDevice {
     return {};
   }
 
+  [[nodiscard]] std::vector<std::string> sources() const override {
+    std::set<std::string> files;
+    for (const auto& [id, entry] : programs_) files.insert(entry.files.begin(), entry.files.end());
+    return {files.begin(), files.end()};
+  }
+
   void invalidate(const std::string& file) override {
     std::erase_if(programs_, [&](const auto& item) {
       const auto& files = item.second.files;

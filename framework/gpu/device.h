@@ -25,6 +25,8 @@ class LOOM_API CachingDevice : public Device {
   [[nodiscard]] virtual ProgramStats stats() const = 0;
   /// Files that a program was made of, for hot reload.
   [[nodiscard]] virtual std::vector<std::string> sources_of(const Program& program) const = 0;
+  /// Files of all programs there are.
+  [[nodiscard]] virtual std::vector<std::string> sources() const = 0;
   /// Drops programs made of that file, so that the next program() compiles them again.
   virtual void invalidate(const std::string& file) = 0;
 };

@@ -3,11 +3,19 @@
 #include <dlfcn.h>
 #include <elf.h>
 #include <link.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cstring>
+#include <exception>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <string_view>
+#include <system_error>
+
+#include "core/image_io.h"
 
 namespace loom::plugins {
 namespace {
@@ -73,13 +81,35 @@ std::optional<Version> stamp_in(const std::string& bytes) {
 /// The last error of dlopen() or dlsym().
 std::string dl_error() { return bound(dlerror()); }
 
+/// A file of that content under a name that no library of this process has had; gone with this object.
+class TemporaryCopy {
+ public:
+  TemporaryCopy(const std::string& path, const std::string& bytes) {
+    static std::atomic<unsigned> count = 0;
+    const auto name = std::filesystem::path(path).stem().string() + "-" + std::to_string(getpid()) + "-" +
+                      std::to_string(count++) + ".so";
+    path_ = std::filesystem::temp_directory_path() / name;
+    write_file_atomic(path_.string(), std::as_bytes(std::span(bytes)));
+  }
+  ~TemporaryCopy() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  TemporaryCopy(const TemporaryCopy&) = delete;
+  TemporaryCopy& operator=(const TemporaryCopy&) = delete;
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
 }  // namespace
 
 Version own_version() { return {.abi = plugin_abi, .build_tag = LOOM_BUILD_TAG}; }
 
 std::optional<Version> stamped_version(const std::string& path) { return stamp_in(read_bytes(path)); }
 
-std::optional<Library> open_library(const std::string& path, Diagnostics& diagnostics) {
+std::optional<Library> open_library(const std::string& path, bool copy, Diagnostics& diagnostics) {
   const std::string bytes = read_bytes(path);
   if (!is_whole(bytes)) {
     diagnostics.error("plugin-load", "is cut short", {.file = path}, "build or copy it again");
@@ -89,7 +119,15 @@ std::optional<Library> open_library(const std::string& path, Diagnostics& diagno
   if (stamped && !compatible(path, *stamped, diagnostics)) return std::nullopt;
 
   // NOW: a missing symbol shows here, not in the middle of a frame. LOCAL: plugins do not see each other's symbols.
-  std::shared_ptr<void> handle(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* library) {
+  std::optional<TemporaryCopy> own;
+  try {
+    if (copy) own.emplace(path, bytes);
+  } catch (const std::exception& error) {
+    diagnostics.error("plugin-load", std::string("cannot be copied: ") + error.what(), {.file = path},
+                      "TMPDIR names the folder for temporary files");
+    return std::nullopt;
+  }
+  std::shared_ptr<void> handle(dlopen((own ? own->path() : path).c_str(), RTLD_NOW | RTLD_LOCAL), [](void* library) {
     if (library != nullptr) dlclose(library);
   });
   if (!handle) {

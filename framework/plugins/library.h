@@ -27,6 +27,7 @@ struct Library {
 };
 /// Checks the stamp, loads, finds loom_plugin(), checks the struct. Empty where the file is refused: the reason is in
 /// `diagnostics`.
-std::optional<Library> open_library(const std::string& path, Diagnostics& diagnostics);
+/// `copy`: of a copy in the folder for temporary files, which is removed again at once.
+std::optional<Library> open_library(const std::string& path, bool copy, Diagnostics& diagnostics);
 
 }  // namespace loom::plugins

@@ -86,8 +86,8 @@ void refuse(const std::string& path, const std::exception* exception, Diagnostic
       {.file = path}, "nothing of this plugin is used");
 }
 
-bool load_one(const std::string& path, Registry& registry, Diagnostics& diagnostics, LoadedPlugin& loaded) {
-  const std::optional<Library> library = open_library(path, diagnostics);
+bool load_one(const std::string& path, bool copy, Registry& registry, Diagnostics& diagnostics, LoadedPlugin& loaded) {
+  const std::optional<Library> library = open_library(path, copy, diagnostics);
   if (!library) return false;
   bool ok = false;
   registry.set_current_plugin(path);
@@ -125,10 +125,18 @@ std::vector<LoadedPlugin> load_plugins(const SearchPath& search, Registry& regis
       }
       if (!seen.insert(real).second) continue;
       LoadedPlugin plugin;
-      if (load_one(file.string(), registry, diagnostics, plugin)) loaded.push_back(std::move(plugin));
+      if (load_one(file.string(), search.copies, registry, diagnostics, plugin)) loaded.push_back(std::move(plugin));
     }
   }
   return loaded;
+}
+
+std::vector<std::string> plugin_files(const SearchPath& search) {
+  std::vector<std::string> files;
+  Diagnostics ignored;
+  for (const Place& place : places(search))
+    for (const fs::path& file : libraries_in(place, ignored)) files.push_back(file.string());
+  return files;
 }
 
 std::vector<std::string> shader_roots(const SearchPath& search) {

@@ -12,6 +12,9 @@ namespace loom::plugins {
 struct SearchPath {
   std::vector<std::string> dirs;  ///< --plugins, in order; then LOOM_PLUGIN_PATH (colon-separated)
   bool installed = true;          ///< then the installation's own folder, relative to the loom library
+  /// Load a copy of each file, under a name of its own: the file may then be replaced while it is in use, and loading
+  /// it again gives the new code (hot reload).
+  bool copies = false;
 };
 
 struct LoadedPlugin {
@@ -23,6 +26,9 @@ struct LoadedPlugin {
 /// others still load. Folders in order, files by name; a file reached twice is loaded once. A folder that was asked for
 /// and cannot be read is a `plugin-dir`.
 LOOM_API std::vector<LoadedPlugin> load_plugins(const SearchPath& search, Registry& registry, Diagnostics& diagnostics);
+
+/// The files that load_plugins() looks at.
+LOOM_API std::vector<std::string> plugin_files(const SearchPath& search);
 
 /// Where shaders are: LOOM_SHADER_PATH (colon-separated), `shaders/` beside each plugin folder, the installation's own.
 LOOM_API std::vector<std::string> shader_roots(const SearchPath& search);

@@ -121,6 +121,18 @@ class RendererImpl final : public Renderer {
     frames_since_reset_ = 0;
   }
 
+  bool adopt_state(const Renderer& other) override {
+    const auto& from = static_cast<const RendererImpl&>(other);  // the only kind there is
+    const Adopted textures = storage_.adopt(from.storage_);
+    const Adopted structs = structs_.adopt(from.structs_);
+    keep_.forget();
+    // The valid flag is one for all history: where some of it is new, none of it counts.
+    frames_since_reset_ = textures.history && structs.history ? from.frames_since_reset_ : 0;
+    return textures.history && structs.history && textures.persistent;
+  }
+
+  [[nodiscard]] const Texture* resource(int index) const override { return storage_.texture(index); }
+
   [[nodiscard]] const Texture* output(std::string_view name) const override {
     const GraphOutput& output = find_output(name);
     return output.resource == none ? nullptr : storage_.texture(output.resource);
@@ -208,6 +220,14 @@ class RendererImpl final : public Renderer {
       times.push_back({pass.name, pass.type, gpu_ms_[i].median(), gpu_ms_[i].quantile(.95), cpu_ms_[i].median()});
     }
     return times;
+  }
+
+  [[nodiscard]] std::vector<PassCost> newest_costs() const override {
+    std::vector<PassCost> costs;
+    for (std::size_t i = 0; i < graph_.order.size(); ++i)
+      costs.push_back(
+          {graph_.passes[static_cast<std::size_t>(graph_.order[i])].name, gpu_ms_[i].last(), cpu_ms_[i].last()});
+    return costs;
   }
 
   [[nodiscard]] FrameTimes frame_times() const override {

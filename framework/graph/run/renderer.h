@@ -25,6 +25,11 @@ struct PassTimes {
   std::string name, type;
   double gpu_median_ms = 0, gpu_p95_ms = 0, cpu_median_ms = 0;
 };
+/// The same of one frame.
+struct PassCost {
+  std::string name;
+  double gpu_ms = 0, cpu_ms = 0;
+};
 struct FrameTimes {
   double wall_median_ms = 0, gpu_median_ms = 0, cpu_median_ms = 0, gpu_p95_ms = 0;
 };
@@ -67,8 +72,14 @@ class LOOM_API Renderer {
   virtual void render(const SceneView& scene, const interop::Camera& camera, const FrameInfo& info) = 0;
   /// Clears history and persistent state, as after loading.
   virtual void reset() = 0;
+  /// Takes over the history and persistent state of another renderer, by name, where the descriptions are equal: for
+  /// going on after a new compilation. True where nothing was left to start anew.
+  virtual bool adopt_state(const Renderer& other) = 0;
   /// The texture of a compiled output ("image", "hdr", "gbuffer.surface.depth"), or null where it is absent (zero).
   [[nodiscard]] virtual const Texture* output(std::string_view name) const = 0;
+  /// The texture behind an entry of graph().resources, or null where that is a buffer or has not been set. A transient
+  /// one holds what the last pass left in its slot; outputs, history and persistent ones keep their content.
+  [[nodiscard]] virtual const Texture* resource(int index) const = 0;
   /// Reads an output back; an absent one is zero at frame size.
   [[nodiscard]] virtual ReadImage read(std::string_view name) const = 0;
   /// Hands an external texture to `inputs.<name>` of the pipeline, as `member`; it must fit the declaration.
@@ -84,6 +95,8 @@ class LOOM_API Renderer {
 
   [[nodiscard]] virtual const CompiledGraph& graph() const = 0;
   [[nodiscard]] virtual std::vector<PassTimes> pass_times() const = 0;
+  /// Of the newest frame that was measured; cheap enough to ask every frame.
+  [[nodiscard]] virtual std::vector<PassCost> newest_costs() const = 0;
   [[nodiscard]] virtual FrameTimes frame_times() const = 0;
   [[nodiscard]] virtual std::vector<FiniteReport> finite_reports() const = 0;
   /// Passes that kept their outputs in the last frame.

@@ -11,6 +11,7 @@ class Samples {
   /// The first sample is warm-up and left out where there are more. 0 without samples.
   [[nodiscard]] double median() const { return quantile(.5); }
   [[nodiscard]] double quantile(double q) const;
+  [[nodiscard]] double last() const { return count_ == 0 ? 0 : values_[(count_ - 1) % capacity]; }
 
  private:
   // Some minutes at 60 frames a second; older ones are overwritten.

@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -91,6 +92,40 @@ void Storage::swap_history() {
     const std::size_t now = index(graph_.resources[i].history_of);
     std::swap(slot_of_[i], slot_of_[now]);
     std::swap(views_[i], views_[now]);
+  }
+}
+
+Adopted Storage::adopt(const Storage& from) const {
+  Adopted adopted;
+  glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  for (std::size_t i = 0; i < graph_.resources.size(); ++i) {
+    const Resource& wanted = graph_.resources[i];
+    const bool history = wanted.lifetime == Resource::Lifetime::history;
+    if (!history && wanted.lifetime != Resource::Lifetime::persistent) continue;
+    const auto& candidates = from.graph_.resources;
+    const auto old = std::find_if(candidates.begin(), candidates.end(), [&](const Resource& r) {
+      return r.name == wanted.name && r.lifetime == wanted.lifetime && r.desc == wanted.desc;
+    });
+    if (old == candidates.end()) {
+      (history ? adopted.history : adopted.persistent) = false;
+      continue;
+    }
+    copy(from, static_cast<int>(old - candidates.begin()), static_cast<int>(i));
+  }
+  return adopted;
+}
+
+void Storage::copy(const Storage& from, int source, int target) const {
+  if (const Texture* to = texture(target)) {
+    const TextureDesc& desc = to->desc();
+    const GLenum kind = gpu::gl_target(desc.kind);
+    for (int mip = 0; mip < desc.mips; ++mip) {
+      const int depth = desc.kind == TextureKind::d3 ? std::max(desc.depth >> mip, 1) : desc.depth;
+      glCopyImageSubData(from.texture(source)->name(), kind, mip, 0, 0, 0, to->name(), kind, mip, 0, 0, 0,
+                         std::max(desc.width >> mip, 1), std::max(desc.height >> mip, 1), depth);
+    }
+  } else if (const Buffer* bytes = buffer(target)) {
+    glCopyNamedBufferSubData(from.buffer(source)->name(), bytes->name(), 0, 0, static_cast<GLsizeiptr>(bytes->bytes()));
   }
 }
 

@@ -12,6 +12,11 @@
 
 namespace loom::graph {
 
+/// Whether all state of a kind was found elsewhere and taken over; true where there is none.
+struct Adopted {
+  bool history = true, persistent = true;
+};
+
 class Storage {
  public:
   /// Allocates every slot, cleared to zero. `graph` must outlive this. Throws Error naming what does not fit.
@@ -25,6 +30,8 @@ class Storage {
   void reset();
   /// What each history pair calls this frame and the last one changes places.
   void swap_history();
+  /// Copies history and persistent resources of equal name and description from another graph's storage.
+  Adopted adopt(const Storage& from) const;
   /// The clear that a resource asks for before its producer runs.
   void clear(int resource) const;
   /// NaN into floats, all bits into integers and buffers, 1 into normalised formats.
@@ -38,6 +45,7 @@ class Storage {
 
  private:
   [[nodiscard]] const Resource& at(int resource) const;
+  void copy(const Storage& from, int source, int target) const;
 
   using Object = std::variant<std::monostate, Texture, Buffer>;
   const CompiledGraph& graph_;

@@ -12,7 +12,7 @@ namespace loom::graph {
 
 BundleStructs::BundleStructs(const CompiledGraph& graph) {
   for (const Bundle& bundle : graph.bundles) {
-    Entry entry{.type = bundle.type, .bytes = std::vector<std::byte>(bundle.struct_bytes)};
+    Entry entry{.name = bundle.name, .type = bundle.type, .bytes = std::vector<std::byte>(bundle.struct_bytes)};
     if (bundle.struct_bytes > 0) entry.buffer.emplace_back(bundle.struct_bytes, bundle.name + " struct");
     if (bundle.history) {
       const std::string_view base = std::string_view(bundle.name).substr(0, bundle.name.rfind('@'));
@@ -60,6 +60,28 @@ void BundleStructs::swap_history() {
     std::swap(entry.bytes, now.bytes);
     std::swap(entry.buffer, now.buffer);
   }
+}
+
+Adopted BundleStructs::adopt(const BundleStructs& from) {
+  std::vector<Entry*> state;
+  for (Entry& entry : entries_) {
+    if (entry.history_of == none) continue;
+    state.push_back(&entry);
+    state.push_back(&entries_[static_cast<std::size_t>(entry.history_of)]);
+  }
+  Adopted adopted;
+  for (Entry* entry : state) {
+    const auto old = std::find_if(from.entries_.begin(), from.entries_.end(), [&](const Entry& e) {
+      return e.name == entry->name && e.type == entry->type && e.bytes.size() == entry->bytes.size();
+    });
+    if (old == from.entries_.end()) {
+      adopted.history = false;
+      continue;
+    }
+    entry->bytes = old->bytes;
+    for (const Buffer& buffer : entry->buffer) buffer.write(entry->bytes);
+  }
+  return adopted;
 }
 
 void BundleStructs::reset() {

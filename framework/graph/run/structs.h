@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "graph/compile/compile.h"
+#include "graph/run/storage.h"
 #include "loom/gpu.h"
 
 namespace loom::graph {
@@ -23,11 +24,13 @@ class BundleStructs {
   void poison(int bundle);
   /// `x.y@prev` takes what `x.y` held.
   void swap_history();
+  /// Copies the structs of history bundles, and of what becomes history, from another graph's.
+  Adopted adopt(const BundleStructs& from);
   void reset();
 
  private:
   struct Entry {
-    std::string type;
+    std::string name, type;
     std::vector<std::byte> bytes;
     std::vector<Buffer> buffer;  ///< one, or none
     int history_of = none;

@@ -1,0 +1,58 @@
+#pragma once
+// A texture as a picture for the eye: which texels, which channels, how values become colours. On the CPU, so that the
+// value under the cursor, the percentiles and the picture are of the same numbers.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "loom/formats.h"
+
+namespace loom::viewer {
+
+enum class Channels { rgb, red, green, blue, alpha };
+
+struct TextureViewSettings {
+  int mip = 0;
+  int slice = 0;  ///< layer of an array, or position along `axis` of a volume
+  int axis = 2;   ///< of a volume: 0 x, 1 y, 2 z
+  Channels channels = Channels::rgb;
+  float exposure = 0;  ///< stops
+  /// Percentiles of the shown values that become black and white; none: 0 and 1.
+  std::optional<glm::vec2> percentiles;
+  bool false_colour = false;  ///< one channel (of rgb: luminance) in magma
+  bool encode = true;         ///< linear values are sRGB-encoded; display-referred ones are not
+  bool flag = true;           ///< NaN, infinity and negative values in magenta
+};
+
+/// Texels of one level, as Texture::read() gives them.
+struct Texels {
+  TextureDesc desc;
+  int mip = 0;
+  std::vector<glm::vec4> values;
+};
+
+struct TextureView {
+  int width = 0, height = 0;
+  std::vector<std::uint32_t> rgba;           ///< row 0 at the top, R in the lowest byte
+  glm::vec2 range{0, 1};                     ///< what became black and white, before exposure
+  std::size_t not_finite = 0, negative = 0;  ///< texels of the slice
+};
+
+/// Size of a slice, and how many there are along the axis.
+struct SliceShape {
+  int width = 1, height = 1, count = 1;
+};
+SliceShape slice_shape(const TextureDesc& desc, int mip, int axis);
+/// Texel of a pixel of the view, row 0 at the top; nothing outside.
+std::optional<glm::vec4> texel_at(const Texels& texels, const TextureViewSettings& settings, int x, int y);
+TextureView make_view(const Texels& texels, const TextureViewSettings& settings);
+int channel_count(Format format);
+
+}  // namespace loom::viewer

@@ -1,0 +1,18 @@
+#pragma once
+// Colours, spacing and font of the inspector.
+#include <imgui.h>
+
+namespace loom::viewer {
+
+/// `scale`: pixels a point. Call once, before the first frame.
+void apply_theme(float scale);
+
+namespace colour {
+inline const ImVec4 accent{.36F, .67F, .93F, 1};
+inline const ImVec4 changed{.98F, .76F, .36F, 1};
+inline const ImVec4 error{.97F, .45F, .42F, 1};
+inline const ImVec4 good{.52F, .80F, .50F, 1};
+inline const ImVec4 dim{.60F, .62F, .66F, 1};
+}  // namespace colour
+
+}  // namespace loom::viewer

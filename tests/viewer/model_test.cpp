@@ -1,0 +1,293 @@
+// The inspector without its window: edits, undo, switching, hot reload, what it writes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/image_io.h"
+#include "support/gl.h"
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "viewer/camera_control.h"
+#include "viewer/model.h"
+
+namespace loom::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using viewer::Model;
+
+constexpr glm::ivec2 small{48, 32};
+
+class ViewerModel : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    setenv("LOOM_SHADER_PATH", (dir() / "shaders").c_str(), 1);
+    setenv("XDG_STATE_HOME", (dir() / "state").c_str(), 1);
+    fs::create_directories(dir() / "shaders");
+  }
+  static viewer::Options options(const std::string& pipeline = "rsm") {
+    return {.pipeline = pipeline, .set = {{"rsm", "size", "32"}}, .size = small};
+  }
+  static std::vector<glm::vec4> picture(Model& model) {
+    while (model.frame_due()) model.frame(0);
+    return model.live().renderer().read("image").texels;
+  }
+  static double difference(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b) {
+    if (a.size() != b.size()) return 1e9;
+    double largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      largest = std::max<double>(largest, glm::length(glm::vec3(a[i]) - glm::vec3(b[i])));
+    return largest;
+  }
+  /// A copy of a shipped shader that is found first.
+  std::string own_shader(const std::string& name) const {
+    const fs::path to = dir() / ("shaders/" + name);
+    fs::create_directories(to.parent_path());
+    fs::copy_file(LOOM_SOURCE_DIR "/shaders/" + name, to, fs::copy_options::overwrite_existing);
+    return to.string();
+  }
+  static std::string text_of(const std::string& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  static void write(const std::string& file, const std::string& text) { std::ofstream(file, std::ios::trunc) << text; }
+  /// Writes, and makes sure that the time of the file is another one.
+  static void save(const std::string& file, const std::string& text) {
+    const auto before = fs::last_write_time(file);
+    write(file, text);
+    fs::last_write_time(file, before + std::chrono::seconds(2));
+  }
+};
+
+TEST_F(ViewerModel, RestsWhenNothingChangesAndShowsAnEditAtOnce) {
+  Model model(options());
+  const auto first = picture(model);
+  EXPECT_FALSE(model.frame_due());
+  const auto frames = model.frames();
+  ASSERT_TRUE(model.set_param("tonemap", "exposure", "1"));
+  EXPECT_TRUE(model.is_changed("tonemap", "exposure"));
+  EXPECT_GT(difference(picture(model), first), .05);
+  EXPECT_EQ(model.frames(), frames + 1);
+  model.undo();
+  EXPECT_EQ(difference(picture(model), first), 0);
+  EXPECT_FALSE(model.is_changed("tonemap", "exposure"));
+  model.redo();
+  EXPECT_TRUE(model.is_changed("tonemap", "exposure"));
+  ASSERT_TRUE(model.reset_param("tonemap", "exposure"));
+  EXPECT_EQ(difference(picture(model), first), 0);
+}
+
+TEST_F(ViewerModel, EditsOfOneGestureUndoAsOne) {
+  Model model(options());
+  const auto first = picture(model);
+  for (const char* value : {"1", "2", "3"}) model.set_param("tonemap", "exposure", value, "drag");
+  model.end_gesture();
+  model.set_param("tonemap", "exposure", "4", "drag");
+  model.undo();
+  EXPECT_EQ(model.settings().at("tonemap.exposure"), "3");
+  model.undo();
+  EXPECT_FALSE(model.can_undo());
+  EXPECT_EQ(difference(picture(model), first), 0);
+}
+
+TEST_F(ViewerModel, WhatIsRefusedChangesNothing) {
+  Model model(options());
+  const auto first = picture(model);
+  for (const char* bad : {"1e9", "nan", "\"x\"", "", "[1,2]", "{"}) {
+    EXPECT_FALSE(model.set_param("tonemap", "exposure", bad)) << bad;
+    EXPECT_TRUE(model.problem().has_errors()) << bad;
+  }
+  EXPECT_FALSE(model.set_param("nobody", "nothing", "1"));
+  EXPECT_FALSE(model.open_pipeline("/nowhere/x.json"));
+  EXPECT_FALSE(model.open_scene("/nowhere/x.gltf"));
+  EXPECT_FALSE(model.can_undo());
+  model.touch();
+  EXPECT_EQ(difference(picture(model), first), 0);
+}
+
+TEST_F(ViewerModel, SwitchingKeepsCameraAndScene) {
+  Model model(options());
+  scene::Camera camera = model.camera();
+  viewer::aim_at_scene(camera, model.box());
+  viewer::orbit(camera, {.2, .1});
+  model.set_camera(camera);
+  const auto first = picture(model);
+  for (const std::string& path : model.pipelines()) {
+    if (path.find("direct.json") == std::string::npos && path.find("/lpv.json") == std::string::npos) continue;
+    ASSERT_TRUE(model.open_pipeline(path)) << path;
+    EXPECT_GT(difference(picture(model), first), .005) << path;
+    EXPECT_EQ(model.camera().eye, camera.eye);
+  }
+  model.undo();
+  model.undo();
+  EXPECT_EQ(difference(picture(model), first), 0);
+}
+
+TEST_F(ViewerModel, SurvivesAnySize) {
+  Model model(options());
+  const auto first = picture(model);
+  ASSERT_TRUE(model.resize({1, 1}));
+  EXPECT_EQ(picture(model).size(), 1u);
+  ASSERT_TRUE(model.resize({-3, 0}));
+  ASSERT_TRUE(model.resize(small));
+  EXPECT_EQ(difference(picture(model), first), 0);
+}
+
+TEST_F(ViewerModel, ABrokenShaderKeepsTheLastPictureUntilItIsMended) {
+  const std::string shader = own_shader("tonemap/tonemap.comp");
+  const std::string good = text_of(shader);
+  Model model(options());
+  const auto first = picture(model);
+  save(shader, good + "\nthis is no GLSL\n");
+  ASSERT_TRUE(model.poll_files());
+  ASSERT_TRUE(model.problem().has_errors());
+  EXPECT_THAT(to_string(model.problem().all().front()), HasSubstr("tonemap.comp:"));
+  EXPECT_FALSE(model.frame_due());
+  EXPECT_EQ(difference(model.live().renderer().read("image").texels, first), 0);
+  EXPECT_FALSE(model.set_param("tonemap", "exposure", "1")) << "it cannot run yet, and says so";
+  EXPECT_FALSE(model.poll_files()) << "nothing new was saved";
+  const std::size_t end = good.rfind('}');
+  save(shader,
+       good.substr(0, end) + "  imageStore(image_image, ivec2(gl_GlobalInvocationID.xy), vec4(0, 1, 0, 1));\n}\n");
+  ASSERT_TRUE(model.poll_files());
+  EXPECT_FALSE(model.problem().has_errors());
+  EXPECT_EQ(picture(model).front(), glm::vec4(0, 1, 0, 1));
+  save(shader, good);
+  ASSERT_TRUE(model.poll_files());
+}
+
+TEST_F(ViewerModel, ABrokenPipelineFileKeepsTheLastPicture) {
+  const std::string file =
+      dir().write("mine.json", R"({"extends": ")" LOOM_SOURCE_DIR R"(/pipelines/direct.json", "name": "mine"})");
+  Model model({.pipeline = file, .size = small});
+  const auto first = picture(model);
+  save(file, R"({"extends": )");
+  ASSERT_TRUE(model.poll_files());
+  ASSERT_TRUE(model.problem().has_errors());
+  EXPECT_EQ(model.problem().all().front().where.line, 1);
+  model.touch();
+  EXPECT_EQ(difference(picture(model), first), 0);
+  save(file, R"({"extends": ")" LOOM_SOURCE_DIR
+             R"(/pipelines/direct.json", "name": "mine", "passes": {"tonemap": {"params": {"exposure": 2}}}})");
+  ASSERT_TRUE(model.poll_files());
+  EXPECT_FALSE(model.problem().has_errors());
+  EXPECT_GT(difference(picture(model), first), .05);
+}
+
+TEST_F(ViewerModel, APluginIsSwappedUnderIt) {
+  fs::create_directories(dir() / "plugins");
+  const std::string plugin = dir() / "plugins/flat.so";
+  fs::copy_file(FLAT_DIR "/plugin_flat_1.so", plugin);
+  const std::string file = dir().write(
+      "flat.json", R"({"name": "flat", "passes": {"flat": {"type": "Flat"}}, "outputs": {"image": "flat.image"}})");
+  Model model({.pipeline = file, .size = small, .plugin_dirs = {dir() / "plugins"}});
+  EXPECT_FLOAT_EQ(picture(model).front().r, .1F);
+  const auto swap = [&](const std::string& bytes) { save(plugin, bytes); };
+  swap("no library at all");
+  ASSERT_TRUE(model.poll_files());
+  ASSERT_TRUE(model.problem().has_errors());
+  EXPECT_EQ(model.problem().all().front().code, "plugin-load");
+  model.touch();
+  EXPECT_FLOAT_EQ(picture(model).front().r, .1F) << "the old code goes on";
+  swap(text_of(FLAT_DIR "/plugin_flat_2.so"));
+  ASSERT_TRUE(model.poll_files());
+  EXPECT_FALSE(model.problem().has_errors());
+  EXPECT_FLOAT_EQ(picture(model).front().r, .2F);
+}
+
+TEST_F(ViewerModel, StateThatFitsIsKeptOverACompilation) {
+  Model model({.pipeline = "rsm-denoised", .set = {{"rsm", "size", "32"}}, .size = small});
+  ASSERT_TRUE(model.live().has_state());
+  const auto settled = picture(model);
+  ASSERT_TRUE(model.inspect("gbuffer.surface.normal"));
+  model.frame(0);
+  const auto next = model.live().renderer().read("image").texels;
+  Model fresh({.pipeline = "rsm-denoised", .set = {{"rsm", "size", "32"}}, .size = small});
+  fresh.frame(0);
+  const auto first = fresh.live().renderer().read("image").texels;
+  EXPECT_LT(difference(next, settled), .25 * difference(first, settled));
+}
+
+TEST_F(ViewerModel, LooksAtAnyTexture) {
+  Model model(options());
+  std::vector<std::string> unmade;
+  for (const auto& item : model.inspectables()) {
+    if (!item.made) unmade.push_back(item.name);
+    ASSERT_TRUE(model.inspect(item.name)) << item.name;
+    picture(model);
+    ASSERT_NE(model.inspected_texture(), nullptr) << item.name;
+  }
+  EXPECT_THAT(unmade, testing::Not(testing::IsEmpty())) << "somebody reads every member: nothing was tried";
+  ASSERT_TRUE(model.open_pipeline(viewer::pipeline_file("gbuffer"))) << "which has other passes";
+  EXPECT_FALSE(model.problem().has_errors());
+}
+
+TEST_F(ViewerModel, SavesOnlyWhatDiffers) {
+  Model model(options());
+  model.set_param("tonemap", "curve", "\"linear\"");
+  model.set_param("tonemap", "exposure", "1.5");
+  const auto edited = picture(model);
+  const std::string file = dir() / "mine.json";
+  ASSERT_TRUE(model.save_pipeline(file)) << model.problem().all().front().message;
+  const auto json = nlohmann::json::parse(text_of(file));
+  EXPECT_EQ(json["passes"]["tonemap"]["params"], (nlohmann::json{{"curve", "linear"}, {"exposure", 1.5}}));
+  EXPECT_EQ(json["passes"].size(), 2u) << "rsm.size was given when it was opened";
+  Model again({.pipeline = file, .size = small});
+  EXPECT_EQ(difference(picture(again), edited), 0);
+  EXPECT_TRUE(again.settings().empty());
+  EXPECT_FALSE(again.save_pipeline(file)) << "a file cannot extend itself";
+}
+
+TEST_F(ViewerModel, TheCommandLineRendersTheSameView) {
+  Model model(options());
+  scene::Camera camera = model.camera();
+  viewer::aim_at_scene(camera, model.box());
+  viewer::orbit(camera, {.3, .1});
+  model.set_camera(camera);
+  model.set_param("tonemap", "exposure", "-.75");
+  scene::Light light = model.setup().scene.lights.at(0);
+  light.position += glm::dvec3(.1, 0, .05);
+  light.intensity *= .5F;
+  for (const bool moved : {false, true}) {
+    if (moved) model.set_light(0, light);
+    picture(model);
+    const std::string here = dir() / "here.png", there = dir() / "there.png";
+    ASSERT_TRUE(model.save_picture(here));
+    std::string command = model.command_line();
+    ASSERT_THAT(command, HasSubstr("loom render "));
+    command.replace(command.rfind("view.png"), 8, there);
+    const ProcessResult result = run_process("/bin/sh", {"-c", LOOM_BINARY_DIR "/bin/" + command});
+    ASSERT_EQ(result.exit_code, 0) << command << "\n" << result.err;
+    const ImageLayers a = read_png(here), b = read_png(there);
+    ASSERT_EQ(a.channels.at("R").size(), b.channels.at("R").size());
+    for (const char* channel : {"R", "G", "B"})
+      for (std::size_t i = 0; i < a.channels.at(channel).size(); ++i)
+        ASSERT_NEAR(a.channels.at(channel)[i], b.channels.at(channel)[i], 1e-2) << command;
+  }
+}
+
+TEST_F(ViewerModel, AMovedLightIsSeenAndUndone) {
+  Model model(options());
+  const auto first = picture(model);
+  scene::Light light = model.setup().scene.lights.at(0);
+  light.intensity = glm::vec3(3, .1F, .1F);
+  model.set_light(0, light);
+  EXPECT_GT(difference(picture(model), first), .05);
+  EXPECT_FALSE(model.problem().has_errors());
+  model.undo();
+  EXPECT_EQ(difference(picture(model), first), 0);
+}
+
+}  // namespace
+}  // namespace loom::test
