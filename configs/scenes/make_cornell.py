@@ -39,23 +39,11 @@ SPOT = {"name": "spot", "type": "spot", "intensity": 60.0,
         "spot": {"innerConeAngle": round(math.radians(25), 6), "outerConeAngle": round(math.radians(55), 6)}}
 
 
-def build(emissive):
-    meshes = dict(QUADS)
-    if emissive:
-        meshes["lamp"] = LAMP
-    names = ["white", "red", "green"] + (["lamp"] if emissive else [])
-    materials = []
-    for name in names:
-        material = {"name": name, "pbrMetallicRoughness": {
-            "baseColorFactor": [*COLORS[name], 1], "metallicFactor": 0, "roughnessFactor": 1}}
-        if name == "lamp":
-            strength = max(LAMP_RADIANCE)
-            material["emissiveFactor"] = [round(c / strength, 6) for c in LAMP_RADIANCE]
-            material["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": strength}}
-        materials.append(material)
-    data, views, accessors, gltf_meshes, nodes = b"", [], [], [], []
+def mesh_data(meshes, names, scale):
+    """Quads as meshes, accessors, buffer views and the buffer; `names`: of the materials, in order."""
+    data, views, accessors, gltf_meshes = b"", [], [], []
     for name, (material, quads) in meshes.items():
-        corners = [tuple(round(c / 100, 6) for c in corner) for quad in quads for corner in quad]
+        corners = [tuple(round(c * scale, 6) for c in corner) for quad in quads for corner in quad]
         indices = [4 * q + i for q in range(len(quads)) for i in (0, 1, 2, 0, 2, 3)]
         primitive = {"attributes": {"POSITION": len(accessors)}, "indices": len(accessors) + 1,
                      "material": names.index(material)}
@@ -71,10 +59,38 @@ def build(emissive):
             accessors.append(accessor)
             data += packed + b"\0" * (-len(packed) % 4)
         gltf_meshes.append({"name": name, "primitives": [primitive]})
-        nodes.append({"name": name, "mesh": len(gltf_meshes) - 1})
-    # 35 mm lens before 25 mm of film; the node turns the camera to look along +Z.
-    camera = {"name": "published camera", "type": "perspective",
-              "perspective": {"yfov": round(2 * math.atan(12.5 / 35), 6), "aspectRatio": 1, "znear": 0.01}}
+    return {"meshes": gltf_meshes, "accessors": accessors, "bufferViews": views,
+            "buffers": [{"byteLength": len(data),
+                         "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}
+
+
+def diffuse(name, color):
+    return {"name": name, "pbrMetallicRoughness": {
+        "baseColorFactor": [*color, 1], "metallicFactor": 0, "roughnessFactor": 1}}
+
+
+# 35 mm lens before 25 mm of film.
+CAMERA = {"type": "perspective",
+          "perspective": {"yfov": round(2 * math.atan(12.5 / 35), 6), "aspectRatio": 1, "znear": 0.01}}
+HALF = round(math.sqrt(0.5), 9)
+DOWN = [-HALF, 0, 0, HALF]  # a quarter turn about X: −Z, the way a light points, becomes −Y
+
+
+def build(emissive):
+    meshes = dict(QUADS)
+    if emissive:
+        meshes["lamp"] = LAMP
+    names = ["white", "red", "green"] + (["lamp"] if emissive else [])
+    materials = []
+    for name in names:
+        material = diffuse(name, COLORS[name])
+        if name == "lamp":
+            strength = max(LAMP_RADIANCE)
+            material["emissiveFactor"] = [round(c / strength, 6) for c in LAMP_RADIANCE]
+            material["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": strength}}
+        materials.append(material)
+    nodes = [{"name": name, "mesh": i} for i, name in enumerate(meshes)]
+    # The node turns the camera to look along +Z.
     nodes.append({"name": "camera", "camera": 0, "translation": [2.78, 2.73, -8.0], "rotation": [0, 1, 0, 0]})
     document = {"asset": {"version": "2.0", "generator": "make_cornell.py",
                           "copyright": "Geometry and spectra: Cornell University Program of Computer Graphics"}}
@@ -83,14 +99,12 @@ def build(emissive):
     else:
         document["extensionsUsed"] = ["KHR_lights_punctual"]
         document["extensions"] = {"KHR_lights_punctual": {"lights": [SPOT]}}
-        half = round(math.sqrt(0.5), 9)  # a quarter turn about X: −Z, the way a light points, becomes −Y
-        nodes.append({"name": "spot", "translation": [2.78, 5.4, 2.796], "rotation": [-half, 0, 0, half],
+        nodes.append({"name": "spot", "translation": [2.78, 5.4, 2.796], "rotation": DOWN,
                       "extensions": {"KHR_lights_punctual": {"light": 0}}})
     document.update({
-        "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes, "cameras": [camera],
-        "materials": materials, "meshes": gltf_meshes, "accessors": accessors, "bufferViews": views,
-        "buffers": [{"byteLength": len(data),
-                     "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]})
+        "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes,
+        "cameras": [{"name": "published camera", **CAMERA}], "materials": materials,
+        **mesh_data(meshes, names, 0.01)})
     return document
 
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "reference/analysis.h"
+
 namespace loom::cli {
 namespace {
 
@@ -28,6 +30,7 @@ LoadedScene load_scene(const std::string& scene, const std::string& camera) {
   if (diagnostics.has_errors()) throw BadInput(diagnostics);
   report(diagnostics);
   loaded.facts = scene::compute_facts(loaded.setup.scene);
+  loaded.facts.measured = reference::cached_measurements(loaded.facts.content_hash);
   return loaded;
 }
 

@@ -5,6 +5,7 @@
 
 #include "cli/commands.h"
 #include "cli/compile_arguments.h"
+#include "cli/facts_out.h"
 #include "cli/json_out.h"
 #include "scene/load.h"
 
@@ -33,23 +34,13 @@ Json info_json(const LoadedScene& loaded) {
   const SceneFacts& facts = loaded.facts;
   Json document = versioned();
   document["scene"] = scene.path;
-  document["triangles"] = facts.triangles;
   document["meshes"] = scene.meshes.size();
   document["instances"] = scene.instances.size();
   document["materials"] = scene.materials.size();
   document["images"] = scene.images.size();
   document["animations"] = scene.animations.size();
   document["skins"] = scene.skins.size();
-  document["bounds_min"] = vector_json(facts.bounds_min);
-  document["bounds_max"] = vector_json(facts.bounds_max);
-  document["max_albedo"] = facts.max_albedo;
-  document["max_chroma"] = facts.max_chroma;
-  document["thinnest_feature_m"] = facts.thinnest_feature;
-  document["emissive_triangles"] = facts.emissive_triangles;
-  document["alpha_mask"] = facts.alpha_mask;
-  document["normal_maps"] = facts.normal_maps;
-  document["moves"] = facts.moves;
-  document["moving_triangles"] = facts.moving_triangles;
+  add_facts(document, facts);
   document["sky"] = vector_json(scene.sky);
   Json& lights = document["lights"] = Json::array();
   for (const scene::Light& light : scene.lights) {
@@ -77,19 +68,13 @@ Json info_json(const LoadedScene& loaded) {
 void print_info(const LoadedScene& loaded) {
   const scene::Scene& scene = loaded.setup.scene;
   const SceneFacts& f = loaded.facts;
-  const auto yes = [](bool value) { return value ? "yes" : "no"; };
   std::printf("%s\n", scene.path.c_str());
   std::printf("  triangles   %zu in %zu meshes, %zu instances\n", f.triangles, scene.meshes.size(),
               scene.instances.size());
-  std::printf("  materials   %zu, %zu images; alpha mask %s, normal maps %s\n", scene.materials.size(),
-              scene.images.size(), yes(f.alpha_mask), yes(f.normal_maps));
-  std::printf("  bounds      (%g, %g, %g) to (%g, %g, %g) m, thinnest feature %g m\n", f.bounds_min.x, f.bounds_min.y,
-              f.bounds_min.z, f.bounds_max.x, f.bounds_max.y, f.bounds_max.z, f.thinnest_feature);
-  std::printf("  albedo      at most %.3g, chroma at most %.3g\n", f.max_albedo, f.max_chroma);
-  std::printf("  emission    %d triangles; sky (%g, %g, %g) W/(m2 sr)\n", f.emissive_triangles, scene.sky.r,
-              scene.sky.g, scene.sky.b);
-  std::printf("  moves       %s (%zu animations, %zu skins), %zu triangles\n", yes(f.moves), scene.animations.size(),
-              scene.skins.size(), f.moving_triangles);
+  std::printf("  materials   %zu, %zu images; %zu animations, %zu skins\n", scene.materials.size(), scene.images.size(),
+              scene.animations.size(), scene.skins.size());
+  print_facts(f);
+  std::printf("  sky         (%g, %g, %g) W/(m2 sr)\n", scene.sky.r, scene.sky.g, scene.sky.b);
   for (const scene::Light& light : scene.lights) {
     std::printf("  light       %s %s at (%g, %g, %g), (%g, %g, %g) %s\n", name_of(light.kind), light.name.c_str(),
                 light.position.x, light.position.y, light.position.z, light.intensity.r, light.intensity.g,

@@ -70,6 +70,11 @@ Json stats_json(const graph::Renderer& renderer, const std::string& device) {
   document["device"] = device;
   Json& pruned = document["pruned"] = Json::array();
   for (const graph::Pruned& p : graph.pruned) pruned.push_back({{"what", p.what}, {"why", p.why}});
+  for (const Decision& d : graph.decisions) {
+    if (d.rule == "unread") continue;  // is there already
+    const std::string where = d.pass.empty() ? "" : d.pass + ": ";
+    pruned.push_back({{"what", where + d.decision}, {"why", d.rule + ": " + d.evidence}});
+  }
   return document;
 }
 

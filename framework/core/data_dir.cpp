@@ -52,4 +52,11 @@ std::string data_dir() {
               "): set LOOM_DATA_DIR to the folder that holds configs/ and shaders/");
 }
 
+std::string cache_dir() {
+  const auto set = [](const char* text) { return text != nullptr && *text != '\0'; };
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); set(cache)) return fs::path(cache) / "lightloom";
+  if (const char* home = std::getenv("HOME"); set(home)) return fs::path(home) / ".cache" / "lightloom";
+  return {};
+}
+
 }  // namespace loom

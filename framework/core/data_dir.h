@@ -1,5 +1,5 @@
 #pragma once
-// Where what is shipped beside the library lies: pipelines/, configs/, shaders/.
+// Where what is shipped beside the library lies (pipelines/, configs/, shaders/), and where a user's caches do.
 #include <string>
 
 #include "loom/export.h"
@@ -11,5 +11,7 @@ LOOM_API std::string library_dir();
 /// LOOM_DATA_DIR where it is set, else `<prefix>/share/loom` of the installation that this library is part of (in a
 /// build tree a link to the sources). Throws Error that names what was tried.
 LOOM_API std::string data_dir();
+/// `lightloom` in XDG_CACHE_HOME, else in ~/.cache; empty where neither is set. May not exist yet.
+LOOM_API std::string cache_dir();
 
 }  // namespace loom

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <string>
 
+#include "loom/diagnostic.h"
+
 namespace loom {
 namespace {
 
@@ -62,6 +64,26 @@ bool is_integer(Format format) { return info(format).integer; }
 std::string_view to_string(TextureKind kind) {
   constexpr std::array<std::string_view, 5> names = {"2d", "2d-array", "3d", "cube", "cube-array"};
   return names.at(static_cast<std::size_t>(kind));
+}
+
+TextureDesc TextureDesc::with_channels(int channels) const {
+  if (channels != 1) return *this;
+  TextureDesc desc = *this;
+  desc.grey = true;
+  switch (format) {
+    case Format::rgba8:
+      desc.format = Format::r8;
+      break;
+    case Format::rgba16f:
+      desc.format = Format::r16f;
+      break;
+    case Format::rgba32f:
+      desc.format = Format::r32f;
+      break;
+    default:
+      throw Error("a texture of format " + std::string(to_string(format)) + " holds no colour of one channel");
+  }
+  return desc;
 }
 
 std::size_t byte_size(const TextureDesc& desc) {

@@ -156,13 +156,13 @@ void Ports::persistent(std::string_view name, const BufferDesc& desc) {
   persistents.push_back({.name = std::string(name), .desc = desc, .access = Access::storage_write});
 }
 
-void Ports::keep_outputs() { keeps_outputs = true; }
+void Ports::keep_outputs() { keeps_outputs = rule("static"); }
 void Ports::side_effect() { has_side_effect = true; }
 
 bool Ports::rule(std::string_view name) const { return !rule_enabled_ || rule_enabled_(name); }
 
 void Ports::decide(std::string rule, std::string decision, std::string evidence) {
-  decisions.push_back({std::move(rule), std::move(decision), std::move(evidence)});
+  decisions.push_back({std::move(rule), std::move(decision), std::move(evidence), {}});
 }
 
 void Ports::error(std::string code, std::string message, std::string hint) {

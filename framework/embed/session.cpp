@@ -16,6 +16,7 @@
 #include "loom/lightloom.h"
 #include "loom/registry.h"
 #include "plugins/loader.h"
+#include "reference/analysis.h"
 #include "scene/gpu_scene.h"
 #include "scene/load.h"
 #include "scene/world.h"
@@ -125,6 +126,7 @@ void Session::load_scene(const std::string& path) {
   s.setup = std::move(setup);
   s.box = scene::world_box(s.setup->scene);
   s.facts = scene::compute_facts(s.setup->scene);
+  s.facts.measured = reference::cached_measurements(s.facts.content_hash);
   s.gpu_scene = scene::GpuScene::create(s.setup->scene);
   s.view.reset();
 }

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/data_dir.h"
 #include "core/image_io.h"
 #include "core/log.h"
 #include "gpu/hash.h"
@@ -35,19 +36,13 @@ struct Header {
 };
 constexpr char magic[8] = {'L', 'O', 'O', 'M', 'P', 'R', 'G', '1'};
 
-fs::path default_dir() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return fs::path(cache) / "lightloom";
-  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "lightloom";
-  return {};
-}
-
 std::string checksum(std::span<const std::byte> bytes) { return Hash128().add(bytes).hex(); }
 
 }  // namespace
 
 ProgramCache::ProgramCache(const std::string& dir) {
   if (dir == "-") return;
-  const fs::path path = dir.empty() ? default_dir() : fs::path(dir);
+  const fs::path path = dir.empty() ? cache_dir() : dir;
   if (path.empty()) return;
   std::error_code error;
   fs::create_directories(path, error);

@@ -175,6 +175,7 @@ std::vector<glm::vec4> Texture::read(int mip) const {
     glGetTextureImage(name_, mip, format.read_layout, GL_FLOAT, static_cast<GLsizei>(count * sizeof(glm::vec4)),
                       result.data());
   }
+  // A transfer does not see how samplers read the texture.
   if (desc_.grey) {
     for (glm::vec4& texel : result) texel = {texel.r, texel.r, texel.r, two_channels(desc_.format) ? texel.g : 1};
   }

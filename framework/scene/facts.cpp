@@ -5,13 +5,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <oneapi/tbb/parallel_for.h>
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "interop/scene.h"
 #include "scene/bounds.h"
+#include "scene/emitters.h"
 #include "scene/load.h"
 #include "scene/motion.h"
 
@@ -106,6 +109,32 @@ void count_lights(const Scene& scene, SceneFacts& facts) {
   }
 }
 
+/// Emissive triangles of power, as light sources.
+void add_emitters(const Scene& scene, SceneFacts& facts) {
+  for (const interop::Emitter& emitter : build_emitters(scene)) {
+    const double area = static_cast<double>(emitter.a.w) * (emitter.b.w > 0 ? 2 : 1);
+    const glm::dvec3 radiance(emitter.radiance);
+    facts.emissive_area += area;
+    facts.emitted_power += std::numbers::pi * area * (radiance.r + radiance.g + radiance.b) / 3;
+  }
+}
+
+/// Lights and cameras hang from nodes, as geometry does; a node moves with what is above it.
+void find_motion(const Scene& scene, SceneFacts& facts) {
+  std::vector<bool> moves(scene.nodes.size(), false);
+  if (!scene.animations.empty())
+    for (const Channel& channel : scene.animations.front().channels)
+      if (!channel.times.empty()) moves[static_cast<std::size_t>(channel.node)] = true;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    if (node.parent >= 0 && moves[static_cast<std::size_t>(node.parent)]) moves[i] = true;
+    facts.lights_move = facts.lights_move || (moves[i] && node.light >= 0);
+    facts.camera_moves = facts.camera_moves || (moves[i] && node.camera >= 0);
+  }
+  facts.geometry_moves = facts.moving_triangles > 0;
+  facts.moves = facts.geometry_moves || facts.lights_move;
+}
+
 void measure(const Scene& scene, SceneFacts& facts) {
   const Box all = swept_box(scene);
   if (all.empty()) return;
@@ -161,7 +190,8 @@ SceneFacts compute_facts(const Scene& scene) {
     facts.textures = facts.textures || m.base_color_texture.image >= 0 || m.metallic_roughness_texture.image >= 0 ||
                      m.normal_texture.image >= 0 || m.emissive_texture.image >= 0;
   }
-  facts.moves = is_animated(scene);
+  find_motion(scene, facts);
+  if (facts.emissive_triangles > 0) add_emitters(scene, facts);
   measure(scene, facts);
   facts.content_hash = scene.content_hash;
   return facts;

@@ -23,6 +23,7 @@
 #include <string>
 
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -61,7 +62,10 @@ class Accumulate final : public Pass {
       length.absent(why);
       return;
     }
-    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    const int channels = rules::channels({noisy});
+    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
+                       Access::image_write);
+    irradiance.attribute("channels", channels);
     irradiance.attribute("quantity", "irradiance");
     length.texture("image", TextureDesc::image(ports.frame_size(), Format::r32f), Access::image_write);
     length.attribute("quantity", "frames");

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -23,7 +24,10 @@ class Add final : public Pass {
     } else if (b.absent()) {
       sum.forwards("a");
     } else {
-      sum.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+      const int channels = rules::channels({a, b});
+      sum.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
+                  Access::image_write);
+      sum.attribute("channels", channels);
       sum.attribute("quantity", "irradiance");
     }
   }

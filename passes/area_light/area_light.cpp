@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -47,7 +48,10 @@ class AreaLight final : public Pass {
       ports.decide("no-emission", "no light straight from surfaces or sky", "no emissive triangle, black sky");
       return irradiance.absent("no surface emits and the sky is black");
     }
-    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    const int channels = rules::channels(ports, facts);
+    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
+                       Access::image_write);
+    irradiance.attribute("channels", channels);
     irradiance.attribute("quantity", "irradiance");
     sky_ = facts.sky;
     emitters_ = facts.emissive_triangles == 0 ? "none" : facts.emissive_triangles <= closed_form_ ? "few" : "many";

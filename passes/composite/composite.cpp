@@ -4,9 +4,11 @@
 //
 // the rendering equation for a Lambertian surface (Kajiya 1986), whose BRDF is ρ/π. Where no surface is seen, L is the
 // radiance of the sky. An input that is not wired, or carries nothing, counts as zero.
+#include <algorithm>
 #include <memory>
 
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -14,14 +16,18 @@ using namespace loom;
 
 class Composite final : public Pass {
  public:
-  void reflect(Ports& ports, const SceneFacts&) override {
+  void reflect(Ports& ports, const SceneFacts& facts) override {
     const auto surface = ports.in("surface", "Surface").reads("depth").reads("albedo").reads("emission");
     const auto direct = ports.in("direct", "Irradiance").optional().reads("irradiance");
     const auto indirect = ports.in("indirect", "Irradiance").optional().reads("irradiance");
     auto radiance = ports.out("radiance", "Image");
     if (surface.absent()) return radiance.absent(surface.why_absent());
     lit_ = {surface.texture("emission") != nullptr, !direct.absent(), !indirect.absent()};
-    radiance.texture("image", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    // The sky is the scene's.
+    const int channels = std::max(rules::channels({surface, direct, indirect}), rules::channels(ports, facts));
+    radiance.texture("image", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
+                     Access::image_write);
+    radiance.attribute("channels", channels);
     radiance.attribute("quantity", "radiance");
   }
 

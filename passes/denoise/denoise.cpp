@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -46,7 +47,10 @@ class Denoise final : public Pass {
     if (noisy.absent()) return irradiance.absent(noisy.why_absent());
     if (surface.absent()) return irradiance.absent(surface.why_absent());
     if (iterations_ == 0) return irradiance.forwards("noisy");
-    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    const int channels = rules::channels({noisy});
+    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
+                       Access::image_write);
+    irradiance.attribute("channels", channels);
     irradiance.attribute("quantity", "irradiance");
     if (iterations_ > 1)
       ports.scratch("levels", TextureDesc::layers(ports.frame_size(), std::min(iterations_ - 1, 2), Format::rgba32f),

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -30,7 +31,10 @@ class DirectLight final : public Pass {
     auto irradiance = ports.out("irradiance", "Irradiance");
     if (surface.absent()) return irradiance.absent(surface.why_absent());
     if (lights.absent()) return irradiance.absent(lights.why_absent());
-    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    const int channels = rules::channels(ports, facts);
+    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
+                       Access::image_write);
+    irradiance.attribute("channels", channels);
     irradiance.attribute("quantity", "irradiance");
     defines_ = scene_defines(facts);
   }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -22,7 +23,10 @@ class GatherProbes final : public Pass {
     auto irradiance = ports.out("irradiance", "Irradiance");
     if (surface.absent()) return irradiance.absent(surface.why_absent());
     if (field.absent()) return irradiance.absent(field.why_absent());
-    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    const int channels = rules::channels({field});
+    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
+                       Access::image_write);
+    irradiance.attribute("channels", channels);
     irradiance.attribute("quantity", "irradiance");
     coefficients_ = field.attribute("coefficients", 9);
     gaussians_ = field.attribute("basis", "sh") == "sg";

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -61,13 +62,15 @@ class GatherRSM final : public Pass {
       for (auto* out : {&irradiance, &clamped, &missed}) out->absent(why);
       return;
     }
-    const auto image = TextureDesc::image(ports.frame_size(), Format::rgba32f);
+    const int channels = rules::channels({lights});
+    const auto image = TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels);
     for (auto* out : {&irradiance, &clamped, &missed}) {
       if (out == &missed && method_ == "full") {
         out->absent("the full sum misses nothing");
         continue;
       }
-      out->texture("irradiance", image, Access::image_write).attribute("quantity", "irradiance");
+      out->texture("irradiance", image, Access::image_write);
+      out->attribute("quantity", "irradiance").attribute("channels", channels);
     }
     if (const TextureDesc* flux = lights.texture("flux")) {
       map_ = {flux->width, flux->height, flux->depth};

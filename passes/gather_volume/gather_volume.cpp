@@ -6,6 +6,7 @@
 // Exact for isotropic light; light along an axis reads a third low. The volume is read half a cell off the surface, in
 // the finest cascade that holds the point, blended into the next over its border.
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 #include <memory>
 #include <string>
@@ -28,12 +29,16 @@ class GatherVolume final : public Pass {
     auto volume = ports.in("volume", "ShVolume").reads("red").reads("green").reads("blue");
     auto irradiance = ports.out("irradiance", "Irradiance").attribute("quantity", std::string("irradiance"));
     if (volume.absent()) return irradiance.absent(volume.why_absent());
-    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    channels_ = rules::channels({volume});
+    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels_),
+                       Access::image_write);
+    irradiance.attribute("channels", channels_);
   }
 
   void prepare(Device& device, const Bindings& /*bindings*/) override {
     gather_ = device.program({.files = {"gather_volume/gather.comp"},
-                              .defines = {{"NON_NEGATIVE", reconstruction_ == "non-negative" ? "1" : "0"}}});
+                              .defines = {{"CHANNELS", std::to_string(channels_)},
+                                          {"NON_NEGATIVE", reconstruction_ == "non-negative" ? "1" : "0"}}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -43,6 +48,7 @@ class GatherVolume final : public Pass {
  private:
   std::string reconstruction_ = "linear";
   float blend_ = 2;
+  int channels_ = 3;
   std::shared_ptr<const Program> gather_;
 };
 

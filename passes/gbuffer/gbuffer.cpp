@@ -2,7 +2,7 @@
 //   depth             distance along the camera ray, metres; 0 where nothing is seen
 //   normal            unit shading normal (normal map included), world, on the viewer's side of the triangle
 //   geometric_normal  unit normal of the triangle, world, towards the viewer
-//   albedo            ρ = baseColor·(1−metallic), textures and vertex colours included; a = 1 where something is seen
+//   albedo            ρ = baseColor·(1−metallic), textures and vertex colours included
 //   emission          exitant radiance towards the viewer, W/(m² sr)
 // Nothing is culled; masked materials are cut by their alpha; the back of a single-sided face does not emit. The bundle
 // struct is the camera, its sub-pixel shift included.
@@ -21,6 +21,7 @@
 #include "loom/pass.h"
 #include "loom/plugin.h"
 #include "loom/ports.h"
+#include "loom/rules.h"
 #include "loom/scene_view.h"
 
 namespace {
@@ -32,6 +33,7 @@ struct Member {
   std::string_view name;
   Format format;
   const char* define;
+  bool color = false;
 };
 // In the order of the fragment shader's locations.
 // Half floats: a unit vector's component is off by 2⁻¹¹ at most (a slope of .03°; drivers may round or cut off), an
@@ -41,8 +43,8 @@ constexpr std::array<Member, 5> members{{
     {"surface.depth", "depth", Format::r32f, "DEPTH"},
     {"surface.normal", "normal", Format::rgba16f, "NORMAL"},
     {"surface.geometric_normal", "geometric_normal", Format::rgba16f, "GEOMETRIC_NORMAL"},
-    {"surface.albedo", "albedo", Format::rgba16f, "ALBEDO"},
-    {"surface.emission", "emission", Format::rgba32f, "EMISSION"},
+    {"surface.albedo", "albedo", Format::rgba16f, "ALBEDO", true},
+    {"surface.emission", "emission", Format::rgba32f, "EMISSION", true},
 }};
 
 class GBuffer final : public Pass {
@@ -50,10 +52,12 @@ class GBuffer final : public Pass {
   void reflect(Ports& ports, const SceneFacts& facts) override {
     const auto size = ports.frame_size();
     const bool emission = facts.emissive_triangles > 0 || !ports.rule("no-emission");
-    auto surface = ports.out("surface", "Surface");
+    const int channels = rules::channels(ports, facts);
+    auto surface = ports.out("surface", "Surface").attribute("channels", channels);
     for (const Member& member : members) {
       if (member.name == "emission" && !emission) continue;
-      surface.texture(member.name, TextureDesc::image(size, member.format), Access::color);
+      const TextureDesc desc = TextureDesc::image(size, member.format);
+      surface.texture(member.name, member.color ? desc.with_channels(channels) : desc, Access::color);
     }
     ports.scratch("depth", TextureDesc::image(size, Format::depth32f), Access::depth);
     if (!emission) ports.decide("no-emission", "no emission is written", "no surface emits");

@@ -17,6 +17,7 @@
 #include "loom/fingerprint.h"
 #include "loom/grid.h"
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 #include <algorithm>
 #include <array>
@@ -87,12 +88,19 @@ class Inject final : public Pass {
     lights.reads("faces", Access::storage_read);
     auto surface = ports.in("surface", "Surface").optional();
     surface.reads("depth").reads("geometric_normal").reads("albedo");
+    // Emission is the scene's; what comes over the wires says so itself.
+    channels_ = std::max(rules::channels(ports, facts), rules::channels({lights, surface}));
     auto flux = ports.out("flux", "ShVolume").attribute("bands", 2).attribute("cascades", cascades_);
     auto blockers = ports.out("blockers", "VoxelScene").attribute("cascades", cascades_);
     emitters_ = facts.emissive_triangles > 0 && emission_rays_ > 0;
     sky_ = (facts.sky || !ports.rule("no-emission")) && emission_rays_ > 0;  // a black sky adds nothing
     lit_ = !lights.absent();
     const bool lit_points = declare_points(ports);
+    flux.attribute("channels", channels_);
+    blockers.attribute("channels", channels_);
+    // What passes made of the scene says its channels; a program's own surfaces may have any albedo.
+    const auto of_scene = [](const InputPort& input) { return input.absent() || input.attribute("channels", 0) > 0; };
+    if (points_.empty() && of_scene(lights) && of_scene(surface)) blockers.attribute("max_albedo", facts.max_albedo);
     if (!lit_ && !lit_points && !emitters_ && !sky_) {
       const std::string why = lights.connected() ? lights.why_absent() : "no lights are wired";
       flux.absent(why + ", and no emission is traced");
@@ -104,7 +112,7 @@ class Inject final : public Pass {
                       "³ cells: three axes of albedo exceed 2048 slices",
                   "cascades × grid must be at most " + std::to_string(max_slices / 3));
     }
-    coarsest_ = fit_grid(facts, grid_, GridShape::cube);
+    coarsest_ = fit_grid(rules::bounds(ports, facts), grid_, GridShape::cube);
     scene_centre_ = glm::vec3(.5 * (facts.bounds_min + facts.bounds_max));
     scene_radius_ = static_cast<float>(.5 * glm::length(facts.bounds_max - facts.bounds_min));
     scene_defines_ = scene_defines(facts);
@@ -112,7 +120,7 @@ class Inject final : public Pass {
     retrace_ = facts.moves || !ports.rule("static");
     if (!facts.moves) ports.keep_outputs();
     ports.decide("bounds", std::to_string(grid_) + "³ cells of " + std::to_string(coarsest_.cascade[0].w) + " m",
-                 "longest side of the scene's box");
+                 rules::bounds_text(ports, facts));
     if (!emitters_ && !sky_) ports.decide("no-emission", "no emission is traced", "no emissive triangle, black sky");
   }
 
@@ -120,10 +128,11 @@ class Inject final : public Pass {
     const auto flag = [](bool on) { return on ? "1" : "0"; };
     const auto has = [&](const std::string& member) { return flag(bindings.has(member)); };
     blocks_ = bindings.has("blockers.occupancy");
-    const std::vector<Define> which_blockers = {{"ALBEDO", has("blockers.albedo")},
-                                                {"DIRECTIONAL", has("blockers.directional")}};
+    const Define color{"CHANNELS", std::to_string(channels_)};
+    const std::vector<Define> which_blockers = {
+        color, {"ALBEDO", has("blockers.albedo")}, {"DIRECTIONAL", has("blockers.directional")}};
     const std::vector<Define> which_channels = {
-        {"RED", has("flux.red")}, {"GREEN", has("flux.green")}, {"BLUE", has("flux.blue")}};
+        color, {"RED", has("flux.red")}, {"GREEN", has("flux.green")}, {"BLUE", has("flux.blue")}};
     const auto source = [&](const std::vector<Define>& from, bool blocks, bool shines = true) {
       auto defines = which_blockers;
       defines.insert(defines.end(), from.begin(), from.end());
@@ -132,8 +141,10 @@ class Inject final : public Pass {
                       .blocks = blocks && blocks_,
                       .shines = shines};
       if (shines && method_ == "points") {
+        auto drawn = from;
+        drawn.push_back(color);
         programs.points = device.program(
-            {.files = {"inject/points.vert", "inject/points.geom", "inject/points.frag"}, .defines = from});
+            {.files = {"inject/points.vert", "inject/points.geom", "inject/points.frag"}, .defines = drawn});
       }
       if (shines && method_ == "compute")
         programs.scale = device.program({.files = {"inject/scale.comp"}, .defines = from});
@@ -217,6 +228,7 @@ class Inject final : public Pass {
                          .buffers = std::max(1, input.attribute("buffers", 1)),
                          .lit = input.texture("flux") != nullptr});
       lit += points_.back().lit ? 1 : 0;
+      channels_ = std::max(channels_, rules::channels({input}));
     }
     if (lit + (lit_ ? 1 : 0) > 1) {
       ports.error("counted-twice",
@@ -233,23 +245,29 @@ class Inject final : public Pass {
       return desc;
     };
     const Access written = method_ == "points" ? Access::color : Access::image_read_write;
-    for (const std::string& channel : channels) {
+    for (int i = 0; i < channels_; ++i) {
+      const std::string& channel = channels[static_cast<std::size_t>(i)];
       flux.texture(channel, volume(Format::rgba32f, Filter::linear, cascades_), written).cleared(channel);
     }
-    const auto blocker = [&](const char* member, Format format, int slabs, Access access) {
-      blockers.texture(member, volume(format, Filter::nearest, slabs), access).cleared(member);
+    const auto blocker = [&](const char* member, const TextureDesc& desc, Access access) {
+      blockers.texture(member, desc, access).cleared(member);
     };
-    blocker("occupancy", Format::rgba32f, cascades_, Access::image_read_write);
-    blocker("albedo", Format::rgba16f, 3 * cascades_, Access::image_write);  // one slab a face axis
-    blocker("directional", Format::rgba32f, cascades_, Access::image_read_write);
+    blocker("occupancy", volume(Format::rgba32f, Filter::nearest, cascades_), Access::image_read_write);
+    // One slab a face axis.
+    blocker("albedo", volume(Format::rgba16f, Filter::nearest, 3 * cascades_).with_channels(channels_),
+            Access::image_write);
+    blocker("directional", volume(Format::rgba32f, Filter::nearest, cascades_), Access::image_read_write);
 
     const std::size_t cells = static_cast<std::size_t>(grid_) * grid_ * grid_;
     if (method_ == "compute") {
-      ports.scratch("fixed", BufferDesc{.bytes = 12 * cells * sizeof(std::int32_t)});
+      ports.scratch("fixed",
+                    BufferDesc{.bytes = 4 * static_cast<std::size_t>(channels_) * cells * sizeof(std::int32_t)});
       ports.scratch("scale", BufferDesc{.bytes = 16});
     }
-    // The 16 slots of shaders/inject/inject.glsl: at 128³ cells the 128 MiB that OpenGL 4.5 guarantees a block.
-    for (const char* words : {"low", "high"}) ports.scratch(words, BufferDesc{16 * cells * sizeof(std::uint32_t)});
+    // SLOTS of shaders/inject/inject.glsl, 16 of three channels: at 128³ cells the 128 MiB that OpenGL 4.5 guarantees a
+    // block.
+    const std::size_t slots = 3 * (1 + static_cast<std::size_t>(channels_)) + 4;
+    for (const char* words : {"low", "high"}) ports.scratch(words, BufferDesc{slots * cells * sizeof(std::uint32_t)});
     if (emitters_ || sky_) ports.persistent("emission", BufferDesc{.bytes = hits() * hit_bytes});
   }
 
@@ -326,8 +344,8 @@ class Inject final : public Pass {
     if (source.points) {
       source.points->set("cascade", cascade);
       source.points->set("elements", elements);
-      frame.continue_raster(bindings, flux_members);
-      for (int i = 0; i < 3; ++i) frame.blend(i, Blend::add);
+      frame.continue_raster(bindings, std::span(flux_members).first(static_cast<std::size_t>(channels_)));
+      for (int i = 0; i < channels_; ++i) frame.blend(i, Blend::add);
       frame.points(*source.points, bindings, elements);
     } else if (source.shines) {
       resolve_flux_->set("cascade", cascade);
@@ -354,7 +372,7 @@ class Inject final : public Pass {
     return power > 0 ? 0x1p30 / (power * 1.0234 / pi) : 0;
   }
 
-  int grid_ = 32, cascades_ = 1, emission_rays_ = 65536;
+  int grid_ = 32, cascades_ = 1, emission_rays_ = 65536, channels_ = 3;
   std::string method_ = "compute";
   interop::Grid coarsest_{};
   glm::vec3 scene_centre_{0};

@@ -5,7 +5,9 @@
 // along each axis e, the cell face nearest to it by A·|⟨n,e⟩|/s². All surfaces count, seen by a light or a camera or
 // not.
 #include <array>
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 
 #include <glm/vec3.hpp>
@@ -13,6 +15,7 @@
 #include "interop/grid.h"
 #include "loom/grid.h"
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -25,6 +28,9 @@ class InjectVoxels final : public Pass {
     voxels.reads("centroid").reads("albedo").reads("radiance");
     auto flux = ports.out("flux", "ShVolume").attribute("bands", 2).attribute("cascades", 1);
     auto blockers = ports.out("blockers", "VoxelScene").attribute("cascades", 1);
+    channels_ = rules::channels({voxels});
+    flux.attribute("channels", channels_);
+    blockers.attribute("channels", channels_).attribute("max_albedo", rules::max_albedo(voxels));
     const TextureDesc* cells = voxels.texture("coverage");
     if (cells == nullptr) {
       const std::string why = voxels.absent() ? voxels.why_absent() : "the voxels carry no sheets";
@@ -35,17 +41,19 @@ class InjectVoxels final : public Pass {
     desc.format = Format::rgba32f;
     blockers.texture("occupancy", desc, Access::image_write).needed("occupancy");
     desc.filter = Filter::linear;
-    for (const char* channel : {"red", "green", "blue"})
+    static constexpr std::array<const char*, 3> names{"red", "green", "blue"};
+    for (const char* channel : std::span(names).first(static_cast<std::size_t>(channels_)))
       flux.texture(channel, desc, Access::image_write).needed(channel);
     desc = *cells;
     desc.format = Format::rgba16f;
     desc.depth *= 3;  // one slab a face axis
-    blockers.texture("albedo", desc, Access::image_write);
+    blockers.texture("albedo", desc.with_channels(channels_), Access::image_write);
     if (!facts.moves && ports.rule("static")) ports.keep_outputs();
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
-    flux_ = device.program({.files = {"inject_voxels/flux.comp"}});
+    flux_ =
+        device.program({.files = {"inject_voxels/flux.comp"}, .defines = {{"CHANNELS", std::to_string(channels_)}}});
     blockers_ = device.program({.files = {"inject_voxels/blockers.comp"},
                                 .defines = {{"ALBEDO", bindings.has("blockers.albedo") ? "1" : "0"}}});
   }
@@ -62,6 +70,7 @@ class InjectVoxels final : public Pass {
   [[nodiscard]] Fingerprint fingerprint(const Frame& /*frame*/) const override { return 0; }
 
  private:
+  int channels_ = 3;
   std::shared_ptr<const Program> flux_, blockers_;
 };
 

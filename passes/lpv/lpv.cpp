@@ -13,6 +13,7 @@
 // Both methods run the same three stages on the same volumes: as compute shaders, or as fragment shaders whose targets
 // are the layers of the volumes and which add up by blending.
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 #include <algorithm>
 #include <array>
@@ -58,45 +59,61 @@ class Lpv final : public Pass {
     const TextureDesc* red = flux.texture("red");
     if (red == nullptr) return ports.error("lpv-flux", "the flux volume has no member `red`", "wire it to Inject");
     cascades_ = flux.attribute("cascades", 1);
+    flux_channels_ = rules::channels({flux});
+    channels_ = rules::channels({flux, blockers});
     cells_ = {red->width, red->height, red->depth / cascades_};
-    if (3 * cells_.z > max_slices) {
-      return ports.error("lpv-cells", std::to_string(cells_.z) + " cells deep, three channels exceed 2048 slices",
+    if (channels_ * cells_.z > max_slices) {
+      return ports.error("lpv-cells", std::to_string(cells_.z) + " cells deep, all channels exceed 2048 slices",
                          "use a coarser grid");
     }
     blocked_ = blockers.texture(shares) != nullptr && blockers.texture("albedo") != nullptr;
     if (blocked_ && !same_cells(*blockers.texture(shares), blockers.attribute("cascades", 1))) {
       return ports.error("lpv-grids", "flux and blockers are on different grids", "give both passes the same cells");
     }
-    intensity.attribute("cascades", cascades_);
-    for (const std::string& channel : channels) intensity.texture(channel, *red, Access::image_write);
+    intensity.attribute("cascades", cascades_).attribute("channels", channels_);
+    for (int i = 0; i < channels_; ++i) {
+      intensity.texture(channels[static_cast<std::size_t>(i)], *red, Access::image_write);
+    }
 
     const Access written = method_ == "fragment" ? Access::color : Access::image_read_write;
-    const TextureDesc state = volume(Format::rgba32f, 3);
+    const TextureDesc state = volume(Format::rgba32f, channels_);
     for (const char* name : {"front0", "front1", "sum"}) ports.scratch(name, state, written);
     if (blocked_) {
       ports.scratch("blocked", state, written);
       ports.scratch("open", volume(Format::rgba32ui, 1), Access::image_read_write);
-      ports.scratch("reflect", volume(Format::rgba32ui, 3), Access::image_read_write);
+      ports.scratch("reflect", volume(Format::rgba32ui, channels_), Access::image_read_write);
     } else {
       ports.decide("bounces", "one order", "no blockers are wired: nothing reflects");
     }
+    // One empty cell at each end of the grid.
+    const int cells_between = std::max({cells_.x, cells_.y, cells_.z}) - 2;
+    most_bounces_ = rules::bounces(ports, rules::max_albedo(blockers));
+    most_iterations_ = rules::iterations(ports, cells_between);
+    if (blocked_) rules::decide_bounces(ports, rules::max_albedo(blockers), bounces_);
+    rules::decide_iterations(ports, cells_between, iterations_);
     if (!facts.moves) ports.keep_outputs();
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
     const std::string file = method_ == "fragment" ? "lpv/stage.frag" : "lpv/stage.comp";
     const std::string row = cells_.x > 16 ? "32" : cells_.x > 8 ? "16" : "8";
+    const std::string count = std::to_string(channels_);
     const auto stage = [&](const char* name, const char* from, const char* to) {
-      return device.program(
-          {.files = {file},
-           .defines = {{"STAGE", name}, {"BLOCKERS", blocked_ ? "1" : "0"}, {"FROM", from}, {"TO", to}, {"ROW", row}}});
+      return device.program({.files = {file},
+                             .defines = {{"CHANNELS", count},
+                                         {"FLUX_CHANNELS", std::to_string(flux_channels_)},
+                                         {"STAGE", name},
+                                         {"BLOCKERS", blocked_ ? "1" : "0"},
+                                         {"FROM", from},
+                                         {"TO", to},
+                                         {"ROW", row}}});
     };
     begin_ = stage("BEGIN", "scratch_front1", "scratch_front0");
     steps_ = {stage("STEP", "scratch_front0", "scratch_front1"), stage("STEP", "scratch_front1", "scratch_front0")};
     if (blocked_) {
       reflect_ = stage("REFLECT", "scratch_front0", "scratch_front1");
-      walls_ =
-          device.program({.files = {"lpv/walls.comp"}, .defines = {{"DIRECTIONAL", blockers_ == "sh" ? "1" : "0"}}});
+      walls_ = device.program({.files = {"lpv/walls.comp"},
+                               .defines = {{"CHANNELS", count}, {"DIRECTIONAL", blockers_ == "sh" ? "1" : "0"}}});
     }
     const auto made = [&](const std::string& channel) { return bindings.has("intensity." + channel) ? "1" : "0"; };
     resolve_ = device.program({.files = {"lpv/resolve.comp"},
@@ -113,7 +130,8 @@ class Lpv final : public Pass {
         frame.dispatch(*walls_, bindings, cells_);
         frame.barrier();
       }
-      for (int order = 0; order < (blocked_ ? bounces_ : 1); ++order) propagate(frame, bindings, cascade, order);
+      for (int order = 0; order < (blocked_ ? std::min(bounces_, most_bounces_) : 1); ++order)
+        propagate(frame, bindings, cascade, order);
       resolve_->set("cascade", cascade);
       frame.dispatch(*resolve_, bindings, cells_);
       frame.barrier();
@@ -131,7 +149,7 @@ class Lpv final : public Pass {
     begin_->set("order", order);
     run(frame, bindings, *begin_, {"scratch.front0", "scratch.sum"}, order == 0 ? 2 : 1);
     if (blocked_) run(frame, bindings, *reflect_, {"scratch.blocked"}, 1);
-    for (int i = 0; i < iterations_; ++i) {
+    for (int i = 0; i < std::min(iterations_, most_iterations_); ++i) {
       Members targets{i % 2 == 0 ? "scratch.front1" : "scratch.front0", "scratch.sum"};
       if (blocked_) targets.emplace_back("scratch.blocked");
       run(frame, bindings, *(i % 2 == 0 ? steps_[0] : steps_[1]), targets, 1);
@@ -141,7 +159,7 @@ class Lpv final : public Pass {
   /// One stage over all cells and channels. Of its targets the first `replaced` are written, the others added to.
   void run(Frame& frame, const Bindings& bindings, const Program& program, const Members& targets, int replaced) const {
     if (method_ == "compute") {
-      frame.dispatch(program, bindings, cells_ * glm::ivec3(1, 1, 3));
+      frame.dispatch(program, bindings, cells_ * glm::ivec3(1, 1, channels_));
     } else {
       frame.continue_raster(bindings, targets);
       for (int i = 0; i < static_cast<int>(targets.size()); ++i) {
@@ -177,9 +195,10 @@ class Lpv final : public Pass {
   }
 
   int iterations_ = 16, bounces_ = 1;
+  int most_iterations_ = 0, most_bounces_ = 1;  ///< that this grid and this scene take
   std::string method_ = "compute", blockers_ = "faces";
   glm::ivec3 cells_{1};
-  int cascades_ = 1;
+  int cascades_ = 1, channels_ = 3, flux_channels_ = 3;
   bool blocked_ = false;
   std::shared_ptr<const Program> begin_, reflect_, walls_, resolve_;
   std::array<std::shared_ptr<const Program>, 2> steps_;  // from the first front to the second, and back

@@ -8,8 +8,8 @@
 
 namespace field {
 
-loom::interop::ProbeGrid fit_probes(const loom::SceneFacts& facts, const GridOptions& options) {
-  const glm::dvec3 extent = facts.bounds_max - facts.bounds_min;
+loom::interop::ProbeGrid fit_probes(const loom::rules::Bounds& box, const GridOptions& options) {
+  const glm::dvec3 extent = box.high - box.low;
   const double longest = std::max({extent.x, extent.y, extent.z, 1e-30});
   const double step = longest / (options.probes - 1 + 2 * options.inset);
   loom::interop::ProbeGrid grid{};
@@ -17,7 +17,7 @@ loom::interop::ProbeGrid fit_probes(const loom::SceneFacts& facts, const GridOpt
     const double gaps = std::max(1., std::round(extent[axis] / step - 2 * options.inset));
     // A box flatter than a step gets a probe on each side.
     const double spacing = std::max(extent[axis], step) / (gaps + 2 * options.inset);
-    const double middle = .5 * (facts.bounds_min[axis] + facts.bounds_max[axis]);
+    const double middle = .5 * (box.low[axis] + box.high[axis]);
     grid.counts[axis] = static_cast<int>(gaps) + 1;
     grid.spacing[axis] = static_cast<float>(spacing);
     grid.lower[axis] = static_cast<float>(middle - .5 * gaps * spacing);

@@ -1,7 +1,7 @@
 #pragma once
 // Where the probes stand.
 #include "interop/probes.h"
-#include "loom/facts.h"
+#include "loom/rules.h"
 
 namespace field {
 
@@ -14,7 +14,7 @@ struct GridOptions {
 };
 
 /// A grid over the scene's box: nearly cubic steps, at least two probes along each axis.
-loom::interop::ProbeGrid fit_probes(const loom::SceneFacts& facts, const GridOptions& options);
+loom::interop::ProbeGrid fit_probes(const loom::rules::Bounds& box, const GridOptions& options);
 
 /// Length of the shortest step, metres.
 double shortest_step(const loom::interop::ProbeGrid& grid);

@@ -34,6 +34,7 @@
 #include "interop/probes.h"
 #include "loom/fingerprint.h"
 #include "loom/plugin.h"
+#include "loom/rules.h"
 #include "probe_grid.h"
 #include "texel_weights.h"
 
@@ -118,25 +119,36 @@ class RadianceField final : public Pass {
     auto voxels = ports.in("voxels", "VoxelScene").optional().reads("coverage").reads("radiance");
     auto field = ports.out("field", "ProbeField");
     voxels_ = voxels.texture("coverage") != nullptr && voxels.texture("radiance") != nullptr;
-    has_light_ = ports.in("light", "VoxelScene").optional().reads("radiance").texture("radiance") != nullptr;
+    auto light = ports.in("light", "VoxelScene").optional().reads("radiance");
+    has_light_ = light.texture("radiance") != nullptr;
     const bool emits = facts.emissive_triangles > 0 || facts.sky;
     if (lights.absent() && !emits && !voxels_) return field.absent("nothing shines: no light, no emitter, black sky");
     if (facts.triangles == 0) return field.absent("the scene has no triangle");
-    const int coefficients = basis_ == "sg" ? field::gaussians : (order_ + 1) * (order_ + 1);
+    const bool harmonics = basis_ != "sg";
+    const int order = harmonics ? rules::bands(ports, facts, order_) : order_;
+    const int coefficients = harmonics ? (order + 1) * (order + 1) : field::gaussians;
+    orders_ = 1;  // voxels hold all of theirs at once
+    if (!voxels_) {
+      orders_ = std::min(bounces_, rules::bounces(ports, facts.max_albedo));
+      rules::decide_bounces(ports, facts.max_albedo, bounces_);
+    }
+    const int channels = std::max(rules::channels(ports, facts), rules::channels({voxels, light}));
     grid_ = field::fit_probes(
-        facts,
+        rules::bounds(ports, facts),
         {.probes = probes_, .inset = inset_, .coefficients = coefficients, .moments = moments_, .behind = behind_});
     if (!declare_storage(ports)) return;
     const glm::ivec3 counts(grid_.counts);
-    field.texture("coefficients", TextureDesc::layers({counts.x * grid_.counts.w, counts.y}, counts.z, Format::rgba32f),
-                  Access::image_write);
+    field.texture(
+        "coefficients",
+        TextureDesc::layers({counts.x * grid_.counts.w, counts.y}, counts.z, Format::rgba32f).with_channels(channels),
+        Access::image_write);
     field.texture("moments", TextureDesc::layers({counts.x * moments_, counts.y * moments_}, counts.z, Format::rg32f),
                   Access::image_write);
     field.texture(
         "state",
         {.format = Format::rgba32f, .kind = TextureKind::d3, .width = counts.x, .height = counts.y, .depth = counts.z},
         Access::image_write);
-    field.attribute("coefficients", coefficients).attribute("basis", basis_);
+    field.attribute("coefficients", coefficients).attribute("basis", basis_).attribute("channels", channels);
     punctual_ = !lights.absent();
     facts_ = facts;
     // A probe may stand close to a wall. Reversed float depth loses nothing by it: near/z keeps its digits down to
@@ -146,7 +158,7 @@ class RadianceField final : public Pass {
     ports.decide("bounds",
                  std::to_string(counts.x) + "×" + std::to_string(counts.y) + "×" + std::to_string(counts.z) +
                      " probes, " + std::to_string(grid_.spacing.x) + " m apart",
-                 "longest side of the scene's box");
+                 rules::bounds_text(ports, facts));
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
@@ -207,11 +219,12 @@ class RadianceField final : public Pass {
     dispatch(frame, bindings, *map_moments_, {moments_ * moments_, slots(), 1});
     dispatch(frame, bindings, *light_, {texels, slots(), 1});
     frame.barrier();
-    for (int reflection = 0; reflection < orders(); ++reflection) {
+    for (int reflection = 0; reflection < orders_; ++reflection) {
       project_->set("reflection", reflection);
       dispatch(frame, bindings, *project_, {64 * slots(), 1, 1});
       frame.barrier();
     }
+    resolve_->set("order_count", orders_);
     dispatch(frame, bindings, *resolve_, {probe_count(), 1, 1});
   }
 
@@ -221,14 +234,12 @@ class RadianceField final : public Pass {
     // With a budget every frame differs from the last, until every order has had its round: each needs one more than
     // the order before.
     const auto rounds = static_cast<std::uint64_t>((probe_count() + slots() - 1) / slots());
-    const std::uint64_t frames = budget_ == 0 ? 1 : rounds * static_cast<std::uint64_t>(orders());
+    const std::uint64_t frames = budget_ == 0 ? 1 : rounds * static_cast<std::uint64_t>(orders_);
     return scene * 31 + (known ? std::min(index - changed_at_, frames - 1) : 0);
   }
 
  private:
   [[nodiscard]] int probe_count() const { return grid_.counts.x * grid_.counts.y * grid_.counts.z; }
-  /// Orders of reflection that the probes keep apart. Voxels hold all of theirs at once.
-  [[nodiscard]] int orders() const { return voxels_ ? 1 : bounces_; }
   /// Probes that one frame renews.
   [[nodiscard]] int slots() const { return budget_ == 0 ? probe_count() : std::min(budget_, probe_count()); }
   /// Where the field stands while it is made: it has to outlive the frame only where the frame renews a part of it.
@@ -241,7 +252,7 @@ class RadianceField final : public Pass {
     const auto coefficients = static_cast<std::size_t>(grid_.counts.w);
     const auto side = static_cast<std::size_t>(face_size_), texels = 6 * side * side;
     const std::size_t texel_bytes = slot_count * texels * sizeof(glm::vec4);
-    const std::size_t order_bytes = static_cast<std::size_t>(orders()) * n * coefficients * sizeof(glm::vec4);
+    const std::size_t order_bytes = static_cast<std::size_t>(orders_) * n * coefficients * sizeof(glm::vec4);
     const std::size_t moment_bytes = n * static_cast<std::size_t>(moments_ * moments_) * sizeof(glm::vec2);
     if (std::max({texel_bytes, order_bytes, moment_bytes}) > max_block_bytes) {
       ports.error("too-many-probes",
@@ -388,6 +399,7 @@ class RadianceField final : public Pass {
   int budget_ = 0;
 
   interop::ProbeGrid grid_{};
+  int orders_ = 1;  ///< of reflection, that the probes keep apart
   bool punctual_ = false, voxels_ = false, has_light_ = false;
   SceneFacts facts_;
   float near_ = 0;

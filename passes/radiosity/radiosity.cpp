@@ -7,6 +7,7 @@
 // wired back (`last`, a history wire) a frame goes on from there, and the orders add up over frames: each frame's gain
 // is the mean albedo, below 1, so that it converges.
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 #include <algorithm>
 #include <memory>
@@ -40,10 +41,15 @@ class Radiosity final : public Pass {
     const TextureDesc* radiance = voxels.texture("radiance");
     if (voxels.absent()) return light.absent(voxels.why_absent());
     if (radiance == nullptr) return light.absent("the voxels carry no radiance");
+    light.attribute("channels", voxels.attribute("channels", 3));
     light.texture("radiance", *radiance, Access::image_write).needed("radiance");
-    format_ = to_string(radiance->format);
     ports.scratch("radiance", *radiance, Access::image_write);
     feedback_ = last.connected();
+    orders_ = bounces_;
+    if (!feedback_) {
+      orders_ = std::min(bounces_, rules::bounces(ports, rules::max_albedo(voxels)));
+      rules::decide_bounces(ports, rules::max_albedo(voxels), bounces_);
+    }
     if (!facts.moves && !feedback_ && ports.rule("static")) {
       ports.keep_outputs();
       ports.decide("static", "reflected light is found once", "nothing in the scene moves");
@@ -52,15 +58,14 @@ class Radiosity final : public Pass {
 
   void prepare(Device& device, const Bindings& /*bindings*/) override {
     const auto program = [&](const char* file, const char* source, const char* target) {
-      return device.program(
-          {.files = {file}, .defines = {{"SOURCE", source}, {"TARGET", target}, {"FORMAT", format_}}});
+      return device.program({.files = {file}, .defines = {{"SOURCE", source}, {"TARGET", target}}});
     };
     // The last order goes to the output, so that the one before it is in the scratch volume.
     copy_first_ = program("radiosity/copy.comp", "voxels_radiance", "scratch_radiance");
     copy_last_ = feedback_ ? program("radiosity/copy.comp", "last_radiance", "scratch_radiance") : nullptr;
-    copy_order_ = bounces_ > 2 ? program("radiosity/copy.comp", "light_radiance", "scratch_radiance") : nullptr;
-    copy_through_ = bounces_ == 1 ? program("radiosity/copy.comp", "scratch_radiance", "light_radiance") : nullptr;
-    gather_ = bounces_ > 1 ? program("radiosity/gather.comp", "scratch_radiance", "light_radiance") : nullptr;
+    copy_order_ = orders_ > 2 ? program("radiosity/copy.comp", "light_radiance", "scratch_radiance") : nullptr;
+    copy_through_ = orders_ == 1 ? program("radiosity/copy.comp", "scratch_radiance", "light_radiance") : nullptr;
+    gather_ = orders_ > 1 ? program("radiosity/gather.comp", "scratch_radiance", "light_radiance") : nullptr;
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -72,13 +77,13 @@ class Radiosity final : public Pass {
     frame.dispatch(resume ? *copy_last_ : *copy_first_, bindings, sides);
     frame.barrier();
     if (copy_through_) frame.dispatch(*copy_through_, bindings, sides);
-    for (int order = 2; order <= bounces_; ++order) {
+    for (int order = 2; order <= orders_; ++order) {
       gather_->set("order", order);
       // Where orders add up over frames, each frame has rays of its own.
       gather_->set("frame_seed", feedback_ ? static_cast<unsigned int>(frame.info().index) : 0U);
       frame.dispatch(*gather_, bindings, sheets);
       frame.barrier();
-      if (order < bounces_) frame.dispatch(*copy_order_, bindings, sides);
+      if (order < orders_) frame.dispatch(*copy_order_, bindings, sides);
       frame.barrier();
     }
   }
@@ -88,8 +93,8 @@ class Radiosity final : public Pass {
 
  private:
   int bounces_ = 8, rays_ = 16;
+  int orders_ = 1;
   bool feedback_ = false;
-  std::string format_;  // of radiance volumes
   std::shared_ptr<const Program> copy_first_, copy_last_, copy_order_, copy_through_, gather_;
 };
 

@@ -11,8 +11,10 @@
 //   volume  rays from the cells of a coarse grid, as two-band SH for GatherVolume (`volume`): independent of the
 //   picture.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,7 @@
 #include "interop/grid.h"
 #include "loom/grid.h"
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -65,6 +68,10 @@ class RayMarch final : public Pass {
     auto irradiance = ports.out("irradiance", "Irradiance").attribute("quantity", "irradiance");
     auto volume = ports.out("volume", "ShVolume").attribute("bands", 2).attribute("cascades", 1);
     has_light_ = light.texture("radiance") != nullptr;
+    // With `emitter` rays that leave the scene bring the sky, which is the scene's own.
+    channels_ = std::max(rules::channels({voxels, light}), emitter_ ? rules::channels(ports, facts) : 1);
+    irradiance.attribute("channels", channels_);
+    volume.attribute("channels", channels_);
     if (voxels.absent() || (!has_light_ && voxels.texture("radiance") == nullptr)) {
       const std::string why = voxels.absent() ? voxels.why_absent() : "the voxels carry no radiance";
       irradiance.absent(why);
@@ -74,12 +81,15 @@ class RayMarch final : public Pass {
     if (surface.absent())
       irradiance.absent(surface.connected() ? surface.why_absent() : "no surface is wired");
     else
-      irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+      irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels_),
+                         Access::image_write);
 
-    probe_grid_ = fit_grid(facts, probes_);
+    probe_grid_ = fit_grid(rules::bounds(ports, facts), probes_);
     TextureDesc cells = cell_texture(probe_grid_, Format::rgba32f);
     cells.filter = Filter::linear;
-    for (const char* channel : {"red", "green", "blue"}) volume.texture(channel, cells, Access::image_write);
+    static constexpr std::array<const char*, 3> names{"red", "green", "blue"};
+    for (const char* channel : std::span(names).first(static_cast<std::size_t>(channels_)))
+      volume.texture(channel, cells, Access::image_write);
 
     if (const TextureDesc* coverage = voxels.texture("coverage")) {
       if (method_ == "cones") {
@@ -96,7 +106,8 @@ class RayMarch final : public Pass {
     const std::vector<Define> defines{{"LIGHT", has_light_ ? "light_radiance" : "voxels_radiance"},
                                       {"EMITTER", emitter_ ? "1" : "0"},
                                       {"EMISSION", emission_ ? "1" : "0"},
-                                      {"AIMED", aimed_ > 0 ? "1" : "0"}};
+                                      {"AIMED", aimed_ > 0 ? "1" : "0"},
+                                      {"CHANNELS", std::to_string(channels_)}};
     const auto program = [&](const char* file) { return device.program({.files = {file}, .defines = defines}); };
     pixels_ = base_ = reduce_ = draw_ = volume_ = nullptr;
     if (bindings.has("irradiance.irradiance")) {
@@ -172,7 +183,7 @@ class RayMarch final : public Pass {
   }
 
   std::string method_ = "rays";
-  int rays_ = 64, aimed_ = 0, cones_ = 32, probes_ = 8;
+  int rays_ = 64, aimed_ = 0, cones_ = 32, probes_ = 8, channels_ = 3;
   int levels_ = 1, slabs_ = 1;  // of the pyramid
   bool emitter_ = false, emission_ = false, has_light_ = false;
   interop::Grid probe_grid_{};

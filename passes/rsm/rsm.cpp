@@ -21,6 +21,7 @@
 #include "light_faces.h"
 #include "loom/fingerprint.h"
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -61,7 +62,9 @@ class RSM final : public Pass {
       return;
     }
     const auto map = [&](Format format) { return TextureDesc::layers({size_, size_}, faces_, format); };
-    lights.texture("flux", map(Format::rgba32f), Access::color);
+    const int channels = rules::channels(ports, facts);
+    lights.texture("flux", map(Format::rgba32f).with_channels(channels), Access::color);
+    lights.attribute("channels", channels);
     lights.texture("normal", map(Format::rgba16f), Access::color);
     lights.texture("depth", map(Format::r32f), Access::color);
     lights.texture("shadow", TextureDesc::layers({shadow_size_, shadow_size_}, faces_, Format::depth32f),

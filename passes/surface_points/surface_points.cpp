@@ -12,6 +12,7 @@
 // both: Φ = ρ·E·2A.
 #include "loom/fingerprint.h"
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,8 +72,10 @@ class SurfacePoints final : public Pass {
     const auto map = [&](Format format) { return TextureDesc::layers({side_, side_}, layers_, format); };
     points.texture("position", map(Format::rgba32f), Access::image_write);
     points.texture("normal", map(Format::rgba16f), Access::image_write);
-    points.texture("albedo", map(Format::rgba16f), Access::image_write);
-    if (lit_) points.texture("flux", map(Format::rgba32f), Access::image_write);
+    const int channels = rules::channels(ports, facts);
+    points.texture("albedo", map(Format::rgba16f).with_channels(channels), Access::image_write);
+    if (lit_) points.texture("flux", map(Format::rgba32f).with_channels(channels), Access::image_write);
+    points.attribute("channels", channels);
     points.attribute("buffers", from_ == "sides" ? 6 : 1);
     if (from_ == "area") ports.scratch("areas", BufferDesc{facts.triangles * sizeof(float)});
     defines_ = scene_defines(facts);

@@ -27,6 +27,7 @@
 #include "loom/fingerprint.h"
 #include "loom/grid.h"
 #include "loom/plugin.h"
+#include "loom/rules.h"
 
 namespace {
 
@@ -75,7 +76,7 @@ class Voxelize final : public Pass {
     facts_ = facts;
     facts_.normal_maps = false;  // sheets are triangles
     shadow_maps_ = !lights.absent();
-    grid_block_ = fit_grid(facts, grid_);
+    grid_block_ = fit_grid(rules::bounds(ports, facts), grid_);
 
     reflect_volumes(ports, voxels);
 
@@ -89,10 +90,10 @@ class Voxelize final : public Pass {
     emission_ = bindings.has("voxels.emission");
     const auto operation = std::find(combinations.begin(), combinations.end(), combine_) - combinations.begin();
     const auto made = [&](const char* member) { return bindings.has(std::string("voxels.") + member) ? "1" : "0"; };
-    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows())},  {"EMISSION", emission_ ? "1" : "0"},
-                                     {"CENTROID", made("centroid")},        {"ALBEDO", made("albedo")},
-                                     {"RADIANCE", made("radiance")},        {"GREY", grey_ ? "1" : "0"},
-                                     {"COMBINE", std::to_string(operation)}};
+    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows())},   {"EMISSION", emission_ ? "1" : "0"},
+                                     {"CENTROID", made("centroid")},         {"ALBEDO", made("albedo")},
+                                     {"RADIANCE", made("radiance")},         {"GREY", grey_ ? "1" : "0"},
+                                     {"LUMINANCE", achromatic_ ? "0" : "1"}, {"COMBINE", std::to_string(operation)}};
     auto scene = scene_defines(facts_);
     if (slicing_ == "geometry")
       scene.emplace_back("INVOCATIONS", std::to_string((raster_size() + slices_a_run - 1) / slices_a_run));
@@ -115,6 +116,7 @@ class Voxelize final : public Pass {
     if (bindings.has("voxels.radiance")) {
       light_ = device.program({.files = {"voxelize/light.comp"},
                                .defines = {{"GREY", grey_ ? "1" : "0"},
+                                           {"LUMINANCE", achromatic_ ? "0" : "1"},
                                            {"PUNCTUAL", facts_.lights() > 0 ? "1" : "0"},
                                            {"SHADOW_MAPS", shadow_maps_ ? "1" : "0"},
                                            {"EMITTERS", emits() ? "1" : "0"},
@@ -145,9 +147,9 @@ class Voxelize final : public Pass {
   /// The volumes that consumers may ask for. Light needs the places of the sheets; the albedo that it takes away from
   /// what it makes is laid down in the volume that it makes.
   void reflect_volumes(Ports& ports, OutputPort& voxels) {
-    const bool achromatic = facts_.max_chroma == 0 && ports.rule("achromatic");
-    grey_ = achromatic || channels_ == "luminance";
-    if (achromatic) ports.decide("achromatic", "one channel in the voxels", "no light and no surface has a colour");
+    achromatic_ = rules::channels(ports, facts_) == 1;
+    grey_ = achromatic_ || channels_ == "luminance";
+    voxels.attribute("channels", grey_ ? 1 : 3).attribute("max_albedo", facts_.max_albedo);
     const auto volume = [&](const char* member, Format format, int slabs) {
       voxels.texture(member, cell_texture(grid_block_, format, slabs), Access::image_write);
     };
@@ -217,6 +219,7 @@ class Voxelize final : public Pass {
   std::string slicing_ = "area", combine_ = "sum", channels_ = "colour";
   bool shadow_maps_ = false, emission_ = false;
   bool grey_ = false;                           // one channel
+  bool achromatic_ = false;                     // since all are equal, and not for their luminance
   bool keeps_still_ = false;                    // persistent.still holds the sums of what no animation moves
   std::optional<std::uint64_t> still_sums_of_;  // the still_version() that it holds
   SceneFacts facts_;

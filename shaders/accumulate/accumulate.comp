@@ -12,7 +12,7 @@ uniform sampler2D last_surface_depth;
 uniform sampler2D last_surface_normal;
 uniform sampler2D surface_geometric_normal;
 uniform sampler2D last_surface_geometric_normal;
-layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
+writeonly uniform image2D irradiance_irradiance;
 layout(r32f) writeonly uniform image2D length_image;
 uniform bool has_history;
 uniform int max_history;

@@ -1,7 +1,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform sampler2D a_irradiance;
 uniform sampler2D b_irradiance;
-layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
+writeonly uniform image2D irradiance_irradiance;
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

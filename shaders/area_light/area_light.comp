@@ -9,7 +9,7 @@ uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
 uniform int samples;
-layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
+writeonly uniform image2D irradiance_irradiance;
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

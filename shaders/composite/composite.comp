@@ -13,7 +13,7 @@ uniform sampler2D direct_irradiance;
 #if INDIRECT
 uniform sampler2D indirect_irradiance;
 #endif
-layout(rgba32f) writeonly uniform image2D radiance_image;
+writeonly uniform image2D radiance_image;
 
 const float pi = 3.14159265358979;
 

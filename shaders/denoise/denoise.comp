@@ -12,7 +12,7 @@ uniform sampler2D noisy_irradiance;
 layout(rgba32f) uniform image2DArray scratch_levels;
 #endif
 #if LAST
-layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
+writeonly uniform image2D irradiance_irradiance;
 #endif
 uniform int stride;
 uniform int target;  // layer of scratch_levels that is written; the other one is read

@@ -17,7 +17,7 @@ layout(std140) uniform surface_data { Camera camera; };
 uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
-layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
+writeonly uniform image2D irradiance_irradiance;
 
 // Share of the light that reaches x; n is the geometric normal, extent the distance over which x was computed.
 float visibility(Light light, vec3 x, vec3 n, float extent) {

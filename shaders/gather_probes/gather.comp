@@ -12,7 +12,7 @@ uniform sampler2D surface_geometric_normal;
 uniform sampler2DArray field_coefficients;
 uniform sampler2DArray field_moments;
 uniform sampler3D field_state;
-layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
+writeonly uniform image2D irradiance_irradiance;
 
 vec4 probe_state(ivec3 probe) { return texelFetch(field_state, probe, 0); }
 vec2 probe_moments(ivec3 probe, ivec2 texel) {

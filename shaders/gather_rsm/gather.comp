@@ -19,13 +19,13 @@ uniform int samples;
 uniform float radius;
 uniform float min_distance;
 #if IRRADIANCE
-layout(rgba32f) writeonly uniform image2D irradiance_irradiance;
+writeonly uniform image2D irradiance_irradiance;
 #endif
 #if CLAMPED
-layout(rgba32f) writeonly uniform image2D clamped_irradiance;
+writeonly uniform image2D clamped_irradiance;
 #endif
 #if MISSED
-layout(rgba32f) writeonly uniform image2D missed_irradiance;
+writeonly uniform image2D missed_irradiance;
 #endif
 
 int texel_index(ivec2 texel, int layer) { return (layer * map.y + texel.y) * map.x + texel.x; }
@@ -122,8 +122,16 @@ void main() {
     vec3 x = surface_position(camera, pixel_uv(camera, pixel), depth);
     vec3 n = normalize(texelFetch(surface_normal, pixel, 0).xyz);
 #if METHOD == METHOD_full
-    int count = map.x * map.y * map.z;
-    for (int i = 0; i < count; ++i) add_light(i, x, n, 1., given, taken);
+    for (int i = 0; i < lights.length(); ++i) {
+      int first = int(lights[i].direction.w), faces_of = int(lights[i].intensity.w);
+      bool cone = int(lights[i].position.w) == LIGHT_SPOT && faces_of == 1;
+      for (int row = first * map.y; row < (first + faces_of) * map.y; ++row) {
+        // A spot lights the circle |q| < 1 of its face: what lies outside reflects exactly nothing.
+        float v = (2. * float(row % map.y) + 1.) / float(map.y) - 1.;
+        int left = cone ? max(0, int(.5 * float(map.x) * (1. - sqrt(max(0., 1. - v * v)))) - 1) : 0;
+        for (int k = left; k < map.x - left; ++k) add_light(row * map.x + k, x, n, 1., given, taken);
+      }
+    }
 #else
     uint seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x72736du);
     for (int i = 0; i < lights.length(); ++i) {

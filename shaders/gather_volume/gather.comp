@@ -10,9 +10,11 @@ layout(std140) uniform volume_data { Grid grid; };
 uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler3D volume_red;
+#if CHANNELS > 1
 uniform sampler3D volume_green;
 uniform sampler3D volume_blue;
-layout(rgba32f) uniform writeonly image2D irradiance_irradiance;
+#endif
+writeonly uniform image2D irradiance_irradiance;
 uniform float blend;
 
 // Irradiance on a surface that faces −axis, from light that travels with radiance coefficients c.
@@ -43,8 +45,12 @@ vec3 from_cascade(int k, vec3 position, vec3 n, out float share) {
   share = clamp(min(inside.x, min(inside.y, inside.z)) / max(blend, 1e-6), 0.0, 1.0);
   at = clamp(at, vec3(0.5), cells - 0.5);
   vec3 uvw = (at + vec3(0, 0, k * grid.cells.z)) / vec3(grid.cells.xy, grid.cells.z * grid.cells.w);
-  return 2.0 / (3.0 * s * s) * vec3(irradiance(texture(volume_red, uvw), -n), irradiance(texture(volume_green, uvw), -n),
-                                    irradiance(texture(volume_blue, uvw), -n));
+  vec3 e = vec3(irradiance(texture(volume_red, uvw), -n));
+#if CHANNELS > 1
+  e.g = irradiance(texture(volume_green, uvw), -n);
+  e.b = irradiance(texture(volume_blue, uvw), -n);
+#endif
+  return 2.0 / (3.0 * s * s) * e;
 }
 
 void main() {

@@ -21,7 +21,7 @@ void main() {
   if (!grid_cell(grid, cascade, surfel.position + 0.5 * grid.cascade[cascade].w * surfel.normal, cell)) return;
   int k = grid_index(grid, cell), count = cell_count();
   vec4 lobe = sh2_cosine_lobe(surfel.normal) * (0.31830989 * flux_scale);
-  for (int channel = 0; channel < 3; ++channel) {
+  for (int channel = 0; channel < CHANNELS; ++channel) {
     vec4 c = surfel.flux[channel] * lobe;
     for (int i = 0; i < 4; ++i) {
       int amount = int(round(c[i]));

@@ -13,7 +13,8 @@ ivec3 volume_texel(ivec3 cell) { return cell + ivec3(0, 0, cascade * grid.cells.
 
 #ifdef DIRECTIONAL
 // Sums of blockers, [slot][cell], in 64 bits: a surface element can be anything from a millionth of a face to all of it.
-// Slots of axis e: 4e area, 4e+1 … 4e+3 area × albedo; 12 … 15 the shares by direction.
+// Slots of axis e: area, then area × albedo of each channel; after those of the three axes the shares by direction.
+const int AXIS_SLOTS = 1 + CHANNELS, DIRECTION_SLOT = 3 * AXIS_SLOTS;
 const float SHARE = 268435456.0;  // units of a whole face, 2²⁸
 layout(std430) buffer scratch_low { uint low_words[]; };
 layout(std430) buffer scratch_high { uint high_words[]; };
@@ -46,16 +47,16 @@ void add_blocker(vec3 position, vec3 normal, float surfel_area, vec3 albedo) {
     if (!(all(greaterThanEqual(at, vec3(0))) && all(lessThan(at, vec3(grid.cells.xyz))))) continue;
     int k = grid_index(grid, ivec3(floor(at)));
     float share = min(1.0, faces * abs(normal[axis]));
-    add_sum(4 * axis, k, share);
-    for (int channel = 0; channel < 3; ++channel) {
-      add_sum(4 * axis + 1 + channel, k, share * clamp(albedo[channel], 0.0, 1.0));
+    add_sum(AXIS_SLOTS * axis, k, share);
+    for (int channel = 0; channel < CHANNELS; ++channel) {
+      add_sum(AXIS_SLOTS * axis + 1 + channel, k, share * clamp(albedo[channel], 0.0, 1.0));
     }
   }
 #if DIRECTIONAL
   vec3 corner = w + 0.5;
   if (!(all(greaterThanEqual(corner, vec3(0))) && all(lessThan(corner, vec3(grid.cells.xyz))))) return;
   vec4 lobe = min(1.0, faces) * sh2_cosine_lobe(-normal);
-  for (int i = 0; i < 4; ++i) add_sum(12 + i, grid_index(grid, ivec3(floor(corner))), lobe[i]);
+  for (int i = 0; i < 4; ++i) add_sum(DIRECTION_SLOT + i, grid_index(grid, ivec3(floor(corner))), lobe[i]);
 #endif
 }
 #endif

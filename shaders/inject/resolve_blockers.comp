@@ -5,7 +5,7 @@ layout(local_size_x = 8, local_size_y = 4) in;
 
 layout(rgba32f) uniform image3D blockers_occupancy;
 #if ALBEDO
-layout(rgba16f) uniform writeonly image3D blockers_albedo;
+writeonly uniform image3D blockers_albedo;
 #endif
 #if DIRECTIONAL
 layout(rgba32f) uniform image3D blockers_directional;
@@ -18,8 +18,10 @@ void main() {
   int k = grid_index(grid, cell);
   vec4 occupancy = imageLoad(blockers_occupancy, to);
   for (int axis = 0; axis < 3; ++axis) {
-    float area = read_sum(4 * axis, k);
-    vec3 albedo = vec3(read_sum(4 * axis + 1, k), read_sum(4 * axis + 2, k), read_sum(4 * axis + 3, k));
+    int slot = AXIS_SLOTS * axis;
+    float area = read_sum(slot, k);
+    vec3 albedo = vec3(0);
+    for (int channel = 0; channel < CHANNELS; ++channel) albedo[channel] = read_sum(slot + 1 + channel, k);
     float share = min(1.0, area);
     if (share <= occupancy[axis]) continue;
     occupancy[axis] = share;
@@ -29,7 +31,8 @@ void main() {
   }
   imageStore(blockers_occupancy, to, occupancy);
 #if DIRECTIONAL
-  vec4 seen = vec4(read_sum(12, k), read_sum(13, k), read_sum(14, k), read_sum(15, k));
+  vec4 seen = vec4(0);
+  for (int i = 0; i < 4; ++i) seen[i] = read_sum(DIRECTION_SLOT + i, k);
   if (seen.x > imageLoad(blockers_directional, to).x) imageStore(blockers_directional, to, seen);
 #endif
 }

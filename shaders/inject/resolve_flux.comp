@@ -26,14 +26,13 @@ void main() {
   ivec3 cell = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(cell, grid.cells.xyz)) || !(flux_scale > 0.0)) return;
   ivec3 to = volume_texel(cell);
-  vec4 red = sum_of(0, cell), green = sum_of(1, cell), blue = sum_of(2, cell);
 #if RED
-  imageStore(flux_red, to, imageLoad(flux_red, to) + red);
+  imageStore(flux_red, to, imageLoad(flux_red, to) + sum_of(0, cell));
 #endif
 #if GREEN
-  imageStore(flux_green, to, imageLoad(flux_green, to) + green);
+  imageStore(flux_green, to, imageLoad(flux_green, to) + sum_of(1, cell));
 #endif
 #if BLUE
-  imageStore(flux_blue, to, imageLoad(flux_blue, to) + blue);
+  imageStore(flux_blue, to, imageLoad(flux_blue, to) + sum_of(2, cell));
 #endif
 }

@@ -5,7 +5,7 @@ layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
 layout(rgba32f) uniform writeonly image3D blockers_occupancy;
 #if ALBEDO
-layout(rgba16f) uniform writeonly image3D blockers_albedo;
+writeonly uniform image3D blockers_albedo;
 #endif
 
 void main() {

@@ -6,8 +6,10 @@ layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
 uniform sampler3D voxels_radiance;
 layout(rgba32f) uniform writeonly image3D flux_red;
+#if CHANNELS > 1
 layout(rgba32f) uniform writeonly image3D flux_green;
 layout(rgba32f) uniform writeonly image3D flux_blue;
+#endif
 
 void main() {
   ivec3 cell = ivec3(gl_GlobalInvocationID);
@@ -29,6 +31,8 @@ void main() {
     }
   }
   imageStore(flux_red, cell, red);
+#if CHANNELS > 1
   imageStore(flux_green, cell, green);
   imageStore(flux_blue, cell, blue);
+#endif
 }

@@ -17,7 +17,7 @@ layout(rgba32f) uniform image3D scratch_blocked;
 
 void main() {
   ivec3 texel = ivec3(gl_GlobalInvocationID);
-  if (any(greaterThanEqual(texel, grid.cells.xyz * ivec3(1, 1, 3)))) return;
+  if (any(greaterThanEqual(texel, grid.cells.xyz * ivec3(1, 1, CHANNELS)))) return;
   Result result = stage(texel);
 #if STAGE == BEGIN
   imageStore(TO, texel, result.front);

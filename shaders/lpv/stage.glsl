@@ -8,8 +8,10 @@
 
 #if STAGE == BEGIN
 uniform sampler3D flux_red;
+#if FLUX_CHANNELS > 1
 uniform sampler3D flux_green;
 uniform sampler3D flux_blue;
+#endif
 #if BLOCKERS
 uniform sampler3D scratch_blocked;
 #endif
@@ -91,8 +93,12 @@ Result stage(ivec3 texel) {
 #endif
   if (order == 0) {
     ivec3 at = texel + ivec3(0, 0, cascade * grid.cells.z - slab);
-    vec4 red = texelFetch(flux_red, at, 0), green = texelFetch(flux_green, at, 0), blue = texelFetch(flux_blue, at, 0);
-    result.sum = from_sh(channel == 0 ? red : channel == 1 ? green : blue);
+    vec4 flux = texelFetch(flux_red, at, 0);
+#if FLUX_CHANNELS > 1
+    vec4 green = texelFetch(flux_green, at, 0), blue = texelFetch(flux_blue, at, 0);
+    flux = channel == 0 ? flux : channel == 1 ? green : blue;
+#endif
+    result.sum = from_sh(flux);
   }
 #else
   result.sum = arrived(texel - ivec3(0, 0, slab), slab);

@@ -43,7 +43,7 @@ void main() {
   ivec3 cell = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(cell, grid.cells.xyz))) return;
   uvec3 open;
-  uvec3 reflected[3];
+  uvec3 reflected[CHANNELS];
   for (int axis = 0; axis < 3; ++axis) {
     ivec3 next = cell;
     next[axis] += 1;
@@ -51,12 +51,12 @@ void main() {
     // In through the lower face along the axis, or through the upper one against it; out by the upper or the lower.
     open[axis] = pack_shares(1. - vec2(below.x, above.y));
     vec3 lower = face_albedo(cell, axis), upper = face_albedo(next, axis);
-    for (int channel = 0; channel < 3; ++channel) {
+    for (int channel = 0; channel < CHANNELS; ++channel) {
       reflected[channel][axis] = pack_shares(vec2(above.x * upper[channel], below.y * lower[channel]));
     }
   }
   imageStore(scratch_open, cell, uvec4(open, 0u));
-  for (int channel = 0; channel < 3; ++channel) {
+  for (int channel = 0; channel < CHANNELS; ++channel) {
     imageStore(scratch_reflect, cell + ivec3(0, 0, channel * grid.cells.z), uvec4(reflected[channel], 0u));
   }
 }

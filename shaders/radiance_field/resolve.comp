@@ -4,7 +4,7 @@ layout(local_size_x = 64) in;
 layout(std430) readonly restrict buffer ORDERS_BLOCK { vec4 orders[]; };
 layout(std430) readonly restrict buffer MOMENTS_BLOCK { vec2 moments[]; };
 #if COEFFICIENTS_OUT
-layout(rgba32f) writeonly uniform image2DArray field_coefficients;
+writeonly uniform image2DArray field_coefficients;
 #endif
 #if MOMENTS_OUT
 layout(rg32f) writeonly uniform image2DArray field_moments;
@@ -12,7 +12,7 @@ layout(rg32f) writeonly uniform image2DArray field_moments;
 #if STATE_OUT
 layout(rgba32f) writeonly uniform image3D field_state;
 #endif
-uniform int bounces;
+uniform int order_count;
 
 void main() {
   int probe = int(gl_GlobalInvocationID.x), size = int(grid.weights.x);
@@ -24,7 +24,7 @@ void main() {
 #if COEFFICIENTS_OUT
   for (int i = 0; i < COEFFICIENTS; ++i) {
     vec3 sum = vec3(0);
-    for (int order = 0; order < bounces; ++order) sum += orders[(order * probe_count() + probe) * COEFFICIENTS + i].rgb;
+    for (int order = 0; order < order_count; ++order) sum += orders[(order * probe_count() + probe) * COEFFICIENTS + i].rgb;
     imageStore(field_coefficients, ivec3(at.x * COEFFICIENTS + i, at.yz), vec4(sum, 0));
   }
 #endif

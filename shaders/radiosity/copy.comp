@@ -1,7 +1,7 @@
 // One volume by sides of sheets to another.
 layout(local_size_x = 32) in;
 uniform sampler3D SOURCE;
-layout(FORMAT) uniform writeonly image3D TARGET;
+writeonly uniform image3D TARGET;
 
 void main() {
   ivec3 texel = ivec3(gl_GlobalInvocationID);

@@ -9,7 +9,7 @@ layout(local_size_x = 32) in;
 
 layout(std140) uniform frame_data { FrameData frame; };
 uniform sampler3D voxels_radiance;
-layout(FORMAT) uniform writeonly image3D TARGET;
+writeonly uniform image3D TARGET;
 uniform int rays;
 uniform int order;
 uniform uint frame_seed;

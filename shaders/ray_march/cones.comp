@@ -16,7 +16,7 @@ uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
 uniform sampler3D scratch_pyramid;
-layout(rgba32f) uniform writeonly image2D irradiance_irradiance;
+writeonly uniform image2D irradiance_irradiance;
 uniform int levels;
 uniform int cones;
 

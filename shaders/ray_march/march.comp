@@ -22,7 +22,7 @@ layout(std140) uniform surface_data { Camera camera; };
 uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
-layout(rgba32f) uniform writeonly image2D irradiance_irradiance;
+writeonly uniform image2D irradiance_irradiance;
 
 struct Point {
   vec3 position, normal, geometric_normal;

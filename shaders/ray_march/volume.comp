@@ -11,8 +11,10 @@ layout(local_size_x = 4, local_size_y = 4, local_size_z = 2) in;
 layout(std140) uniform frame_data { FrameData frame; };
 layout(std140) uniform volume_data { Grid probes; };
 layout(rgba32f) uniform writeonly image3D volume_red;
+#if CHANNELS > 1
 layout(rgba32f) uniform writeonly image3D volume_green;
 layout(rgba32f) uniform writeonly image3D volume_blue;
+#endif
 uniform int rays;
 
 void main() {
@@ -36,6 +38,8 @@ void main() {
   }
   float scale = 4. * pi / float(rays) * 1.5 * size * size;
   imageStore(volume_red, cell, scale * red);
+#if CHANNELS > 1
   imageStore(volume_green, cell, scale * green);
   imageStore(volume_blue, cell, scale * blue);
+#endif
 }

@@ -23,10 +23,10 @@ layout(rgba32f) uniform writeonly image2DArray points_position;
 layout(rgba16f) uniform writeonly image2DArray points_normal;
 #endif
 #if MAKE_albedo
-layout(rgba16f) uniform writeonly image2DArray points_albedo;
+writeonly uniform image2DArray points_albedo;
 #endif
 #if MAKE_flux
-layout(rgba32f) uniform writeonly image2DArray points_flux;
+writeonly uniform image2DArray points_flux;
 #endif
 uniform int side;  // of the image, texels
 uniform vec3 box_low, box_high;  // of the scene

@@ -11,8 +11,10 @@
 #endif
 
 vec4 in_channels(vec3 colour, float last) {
-#if GREY
+#if GREY && LUMINANCE
   return vec4(luminance(colour), last, 0, 0);
+#elif GREY
+  return vec4(colour.r, last, 0, 0);  // the channels are equal
 #else
   return vec4(colour, last);
 #endif

@@ -33,17 +33,15 @@ SceneBuilder room_with_box(float power = 10) {
 void look_at_box(Bench& bench) { bench.look({3.8, 2, 3.8}, {1.8, 1, 1.8}, .5); }
 
 TEST(FieldGrid, SpansTheBoxWithNearlyCubicSteps) {
-  SceneFacts facts;
-  facts.bounds_min = {-2, 0, 10};
-  facts.bounds_max = {6, 3, 10};
-  const auto grid = field::fit_probes(facts, {.probes = 9, .inset = .25});
+  const loom::rules::Bounds box{{-2, 0, 10}, {6, 3, 10}};
+  const auto grid = field::fit_probes(box, {.probes = 9, .inset = .25});
   EXPECT_EQ(glm::ivec3(grid.counts), glm::ivec3(9, 4, 2));
   for (int axis = 0; axis < 3; ++axis) {
     const double lower = grid.lower[axis],
                  upper = lower + grid.spacing[axis] * static_cast<float>(grid.counts[axis] - 1);
-    EXPECT_NEAR(lower + upper, facts.bounds_min[axis] + facts.bounds_max[axis], 1e-5) << axis;  // centred
+    EXPECT_NEAR(lower + upper, box.low[axis] + box.high[axis], 1e-5) << axis;  // centred
     if (axis < 2) {
-      EXPECT_NEAR(lower - facts.bounds_min[axis], .25 * grid.spacing[axis], 1e-5) << axis;
+      EXPECT_NEAR(lower - box.low[axis], .25 * grid.spacing[axis], 1e-5) << axis;
     }
     EXPECT_NEAR(grid.spacing[axis], grid.spacing.x, .4 * grid.spacing.x) << axis;
   }
@@ -55,7 +53,8 @@ TEST_F(Field, ProbesInsideABoxAreMovedOutOrSwitchedOff) {
   look_at_box(bench);
   const Texels states = bench.image(field_pipeline, "field.field.state",
                                     {.size = {16, 16}, .set = of_field({{"probes", "13"}, {"bounces", "1"}})});
-  const auto grid = field::fit_probes(bench.facts(), {.probes = 13, .inset = .1});
+  const auto grid =
+      field::fit_probes({bench.facts().bounds_min, bench.facts().bounds_max}, {.probes = 13, .inset = .1});
   ASSERT_EQ(states.width, grid.counts.x);
   int off = 0, moved = 0, inside = 0;
   for (int z = 0; z < grid.counts.z; ++z) {

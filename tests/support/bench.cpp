@@ -178,6 +178,7 @@ void Bench::render(const std::string& pipeline, const BenchOptions& options) {
   compile.requested = options.requested;
   compile.alias = options.alias;
   compile.prune = options.prune;
+  compile.disabled_rules = options.disabled_rules;
   auto result = pipeline.find('{') == std::string::npos
                     ? graph::compile_file(LOOM_SOURCE_DIR "/pipelines/" + pipeline, all_passes(), facts_, compile)
                     : graph::compile_text(pipeline, "test.json", all_passes(), facts_, compile);

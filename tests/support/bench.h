@@ -62,6 +62,7 @@ struct BenchOptions {
   std::vector<std::string> requested;  ///< outputs to keep; empty = those that the pipeline names
   bool alias = true;
   bool prune = true;
+  std::vector<std::string> disabled_rules;
   bool poison = false;
   std::uint32_t seed = 0;
   int frames = 1;
@@ -97,6 +98,8 @@ class Bench {
   [[nodiscard]] const graph::Renderer& renderer() const { return *renderer_; }
   [[nodiscard]] const interop::Camera& camera() const { return block_; }
   [[nodiscard]] const SceneFacts& facts() const { return facts_; }
+  /// As if `loom analyse` had found this.
+  void measured(const SceneMeasurements& measurements) { facts_.measured = measurements; }
   [[nodiscard]] const SceneView& scene() const { return *gpu_; }
   /// World position of the surface that the pixel's centre sees at a distance.
   [[nodiscard]] glm::dvec3 position(int x, int y, double depth) const;

@@ -71,8 +71,12 @@ Voxels voxelize(Bench& bench, int grid, const char* text = unlit) {
   for (const char* name : {"coverage", "plane", "centroid", "albedo", "radiance"})
     options.requested.push_back(member(name));
   bench.render(text, options);
-  return {fit_grid(bench.facts(), grid),  bench.read(member("coverage")), bench.read(member("plane")),
-          bench.read(member("centroid")), bench.read(member("albedo")),   bench.read(member("radiance"))};
+  return {fit_grid({bench.facts().bounds_min, bench.facts().bounds_max}, grid),
+          bench.read(member("coverage")),
+          bench.read(member("plane")),
+          bench.read(member("centroid")),
+          bench.read(member("albedo")),
+          bench.read(member("radiance"))};
 }
 
 // Triangles of every shape and direction: what the cells hold together is their area, to the precision of half floats.

@@ -6,7 +6,10 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "graph/compile/document.h"
 #include "graph/compile/draft.h"
@@ -68,6 +71,23 @@ std::vector<Edge> edges_of(const Draft& draft) {
   return edges;
 }
 
+/// One row for all wires that carry one channel: every pass takes part in it.
+void explain_channels(const Draft& draft, CompiledGraph& graph) {
+  std::size_t wires = 0;
+  for (const auto& version : draft.versions) {
+    const auto channels = version.info.attributes.find("channels");
+    if (channels == version.info.attributes.end() || version.info.absent) continue;
+    const int* count = std::get_if<int>(&channels->second);
+    if (count != nullptr && *count == 1) ++wires;
+  }
+  if (wires == 0) return;
+  graph.decisions.push_back(
+      {"achromatic",
+       "one channel instead of three on " + std::to_string(wires) + " outputs",
+       fmt::format("no light, albedo, emission or sky of a chroma over {:.2g}", draft.facts->max_chroma),
+       {}});
+}
+
 }  // namespace
 
 CompiledGraph plan(Draft& draft) {
@@ -77,8 +97,12 @@ CompiledGraph plan(Draft& draft) {
   graph.file = draft.document->file;
   graph.files = draft.document->files;
   graph.edges = edges_of(draft);
+  explain_channels(draft, graph);
   for (const auto& pass : draft.passes)
-    graph.decisions.insert(graph.decisions.end(), pass.ports.decisions.begin(), pass.ports.decisions.end());
+    for (const auto& decision : pass.ports.decisions) {
+      graph.decisions.push_back(decision);
+      graph.decisions.back().pass = pass.name();
+    }
   const Liveness alive = find_alive(draft);
   explain_pruned(draft, alive, graph);
   graph.passes.resize(draft.passes.size());

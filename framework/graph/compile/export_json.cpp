@@ -78,10 +78,16 @@ Json facts_of(const SceneFacts& facts) {
           {"sky", facts.sky},
           {"emissive_triangles", facts.emissive_triangles},
           {"emissive_textures", facts.emissive_textures},
+          {"emissive_area_m2", facts.emissive_area},
+          {"emitted_power_w", facts.emitted_power},
           {"alpha_mask", facts.alpha_mask},
           {"normal_maps", facts.normal_maps},
           {"textures", facts.textures},
           {"moves", facts.moves},
+          {"geometry_moves", facts.geometry_moves},
+          {"lights_move", facts.lights_move},
+          {"camera_moves", facts.camera_moves},
+          {"measured", facts.measured.has_value()},
           {"max_chroma", facts.max_chroma},
           {"max_albedo", facts.max_albedo},
           {"thinnest_feature", facts.thinnest_feature},
@@ -165,7 +171,10 @@ std::string plan_json(const CompiledGraph& graph, const SceneFacts& facts) {
   for (const auto& resource : graph.resources) resources.push_back(resource_of(resource));
   Json decisions = Json::array();
   for (const auto& decision : graph.decisions)
-    decisions.push_back({{"rule", decision.rule}, {"decision", decision.decision}, {"evidence", decision.evidence}});
+    decisions.push_back(
+        {{"rule", decision.rule},
+         {"decision", decision.pass.empty() ? decision.decision : decision.pass + ": " + decision.decision},
+         {"evidence", decision.evidence}});
   return text_of(
       {{"version", version},
        {"name", graph.name},

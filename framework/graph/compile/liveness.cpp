@@ -183,7 +183,7 @@ std::string why_idle(const Draft& draft, const DraftPass& pass) {
 }
 
 void leave_out(CompiledGraph& graph, std::string what, std::string why, bool by_rule) {
-  if (by_rule) graph.decisions.push_back({"unread", '`' + what + "` left out", why});
+  if (by_rule) graph.decisions.push_back({"unread", '`' + what + "` left out", why, {}});
   graph.pruned.push_back({std::move(what), std::move(why)});
 }
 

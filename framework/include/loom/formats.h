@@ -53,6 +53,10 @@ struct TextureDesc {
   bool grey = false;  ///< sampled, a texture of one channel is (r, r, r, 1), one of two (r, r, r, g)
   bool operator==(const TextureDesc&) const = default;
 
+  /// The same for colours of `channels` channels: with 1, of RGBA only the first is stored (`grey`). What writes it as
+  /// an image declares that without a format: `writeonly uniform image2D`.
+  [[nodiscard]] LOOM_API TextureDesc with_channels(int channels) const;
+
   static TextureDesc image(glm::ivec2 size, Format format) {
     return {.format = format, .width = size.x, .height = size.y};
   }

@@ -8,18 +8,18 @@
 #include <glm/vec4.hpp>
 
 #include "interop/grid.h"
-#include "loom/facts.h"
 #include "loom/formats.h"
+#include "loom/rules.h"
 
 namespace loom {
 
 /// `box`: the shorter sides have as many cells as they need; `cube`: as many as the longest.
 enum class GridShape { box, cube };
 
-/// Cubic cells around the scene's box, `n` along its longest side, with one empty cell at each end: no surface lies
+/// Cubic cells around a box, `n` along its longest side, with one empty cell at each end: no surface lies
 /// outside, and the two outermost faces of a wall at the border exist.
-inline interop::Grid fit_grid(const SceneFacts& facts, int n, GridShape shape = GridShape::box) {
-  const glm::dvec3 extent = facts.bounds_max - facts.bounds_min;
+inline interop::Grid fit_grid(const rules::Bounds& box, int n, GridShape shape = GridShape::box) {
+  const glm::dvec3 extent = box.high - box.low;
   const double longest = std::max({extent.x, extent.y, extent.z, 1e-30});
   const double s = n > 2 ? longest / (n - 2) : longest;
   interop::Grid grid{};
@@ -31,7 +31,7 @@ inline interop::Grid fit_grid(const SceneFacts& facts, int n, GridShape shape = 
     grid.cells[axis] = static_cast<int>(cells[axis]);
   }
   grid.cells.w = 1;
-  const glm::dvec3 lower = .5 * (facts.bounds_min + facts.bounds_max) - .5 * s * cells;
+  const glm::dvec3 lower = .5 * (box.low + box.high) - .5 * s * cells;
   grid.cascade[0] = glm::vec4(glm::vec3(lower), static_cast<float>(s));
   return grid;
 }

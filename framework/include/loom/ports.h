@@ -55,6 +55,7 @@ struct Decision {
   std::string rule;
   std::string decision;
   std::string evidence;
+  std::string pass;  ///< filled in by the compiler; empty: the whole graph
 };
 
 /// What a wire brings, as far as it is known at reflect time.
@@ -133,7 +134,8 @@ class LOOM_API Ports {
   /// State that outlives the frame, as "persistent.<name>"; cleared at first and when the graph is reset.
   void persistent(std::string_view name, const TextureDesc& desc, Access access, glm::vec4 clear = glm::vec4(0));
   void persistent(std::string_view name, const BufferDesc& desc);
-  /// Outputs may be kept while fingerprint() does not change: they get storage of their own.
+  /// Outputs may be kept while fingerprint() does not change: they get storage of their own. Nothing where the rule
+  /// `static` is off.
   void keep_outputs();
   /// The pass has an effect beyond its outputs (a readback, a file) and is never culled.
   void side_effect();
