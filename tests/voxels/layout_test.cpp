@@ -47,7 +47,7 @@ std::map<std::string, double> layout(const char* pipeline, const scene::Scene& s
   const SceneFacts facts = scene::compute_facts(scene);
   const auto compiled = graph::compile_text(pipeline, "test.json", all_passes(), facts, options);
   if (!compiled.graph) throw BadInput(compiled.diagnostics);
-  const interop::Grid grid = fit_grid(facts, 16);
+  const interop::Grid grid = fit_grid({facts.bounds_min, facts.bounds_max}, 16);
   const double cells = static_cast<double>(grid.cells.x) * grid.cells.y * grid.cells.z;
   const std::string prefix = "voxelize.voxels.";
   std::map<std::string, double> volumes;

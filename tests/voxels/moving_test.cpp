@@ -133,7 +133,7 @@ TEST_F(MovingTest, TheGridHoldsTheWholePath) {
   scene.moving({3, 2, 0});
   scene.floor(glm::vec3(0, .5F, 0), .25F, scene.material(glm::vec3(.5)));
   Bench bench(*device_, scene.build());
-  const interop::Grid grid = fit_grid(bench.facts(), 16);
+  const interop::Grid grid = fit_grid({bench.facts().bounds_min, bench.facts().bounds_max}, 16);
   bench.render(pipeline, {.size = {8, 8}, .requested = {"voxelize.voxels.centroid"}});
   for (const double time : {0., .4, 1.}) {
     bench.pose(time);

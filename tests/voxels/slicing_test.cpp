@@ -49,7 +49,8 @@ Sheets sheets(Bench& bench, int grid, const std::string& slicing, const std::str
                                   {"voxelize", "slicing", slicing},
                                   {"voxelize", "combine", combine}},
                           .requested = {"voxelize.voxels.coverage", "voxelize.voxels.centroid"}});
-  const double cell = static_cast<double>(fit_grid(bench.facts(), grid).cascade[0].w);
+  const double cell =
+      static_cast<double>(fit_grid({bench.facts().bounds_min, bench.facts().bounds_max}, grid).cascade[0].w);
   return {bench.read("voxelize.voxels.coverage"), bench.read("voxelize.voxels.centroid"), cell * cell};
 }
 
