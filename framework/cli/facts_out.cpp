@@ -8,8 +8,6 @@
 namespace loom::cli {
 namespace {
 
-Json vector_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
 Json measured_json(const SceneMeasurements& m) {
   Json above = Json::array();
   for (std::size_t order = 0; order < SceneMeasurements::bands; ++order)

@@ -24,11 +24,6 @@ const char* name_of(scene::LightKind kind) {
   return "directional";
 }
 
-template <class V>
-Json vector_json(const V& v) {
-  return {v.x, v.y, v.z};
-}
-
 Json info_json(const LoadedScene& loaded) {
   const scene::Scene& scene = loaded.setup.scene;
   const SceneFacts& facts = loaded.facts;

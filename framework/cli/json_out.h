@@ -12,6 +12,11 @@ using Json = nlohmann::ordered_json;
 
 /// {"version": 1}, to be filled.
 Json versioned();
+/// The components of a vector of three.
+template <class V>
+Json vector_json(const V& v) {
+  return {v.x, v.y, v.z};
+}
 /// [{severity, code, message, file, line, column, pointer, hint}]
 Json to_json(const Diagnostics& diagnostics);
 /// Indented text with a final newline. Bytes that are not UTF-8 (file names) are replaced, numbers that are not finite

@@ -1,5 +1,6 @@
 #pragma once
 // Formats and texture kinds as OpenGL names them.
+#include "loom/export.h"
 #include "loom/formats.h"
 
 namespace loom::gpu {
@@ -12,7 +13,7 @@ struct GlFormat {
   unsigned int read_type;    ///< GL_FLOAT, GL_INT or GL_UNSIGNED_INT
   int channels;
 };
-GlFormat gl_format(Format format);
+LOOM_API GlFormat gl_format(Format format);
 unsigned int gl_target(TextureKind kind);
 /// Images whose layers a framebuffer attaches as a whole.
 bool is_layered(TextureKind kind);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/srgb.h"
+#include "gpu/format.h"
 #include "measure/colormap.h"
 
 namespace loom::viewer {
@@ -76,27 +77,6 @@ glm::vec2 percentile_range(std::vector<float>& values, glm::vec2 percent) {
 
 }  // namespace
 
-int channel_count(Format format) {
-  switch (format) {
-    case Format::r8:
-    case Format::r16f:
-    case Format::r32f:
-    case Format::r32i:
-    case Format::r32ui:
-    case Format::depth32f:
-      return 1;
-    case Format::rg8:
-    case Format::rg16f:
-    case Format::rg32f:
-    case Format::rg32ui:
-      return 2;
-    case Format::r11g11b10f:
-      return 3;
-    default:
-      return 4;
-  }
-}
-
 SliceShape slice_shape(const TextureDesc& desc, int mip, int axis) {
   const Level level = level_of(desc, mip);
   if (desc.kind != TextureKind::d3 || axis == 2) return {level.width, level.height, level.depth};
@@ -113,7 +93,7 @@ std::optional<glm::vec4> texel_at(const Texels& texels, const TextureViewSetting
 
 TextureView make_view(const Texels& texels, const TextureViewSettings& settings) {
   const SliceShape shape = slice_shape(texels.desc, texels.mip, settings.axis);
-  const int count = channel_count(texels.desc.format);
+  const int count = gpu::gl_format(texels.desc.format).channels;
   TextureView view{.width = shape.width, .height = shape.height, .rgba = {}};
   std::vector<glm::vec3> pixels;
   std::vector<float> values;  // what percentiles are of

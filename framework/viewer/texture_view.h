@@ -53,6 +53,5 @@ SliceShape slice_shape(const TextureDesc& desc, int mip, int axis);
 /// Texel of a pixel of the view, row 0 at the top; nothing outside.
 std::optional<glm::vec4> texel_at(const Texels& texels, const TextureViewSettings& settings, int x, int y);
 TextureView make_view(const Texels& texels, const TextureViewSettings& settings);
-int channel_count(Format format);
 
 }  // namespace loom::viewer

@@ -125,8 +125,8 @@ class RadianceField final : public Pass {
     if (lights.absent() && !emits && !voxels_) return field.absent("nothing shines: no light, no emitter, black sky");
     if (facts.triangles == 0) return field.absent("the scene has no triangle");
     const bool harmonics = basis_ != "sg";
-    const int order = harmonics ? rules::bands(ports, facts, order_) : order_;
-    const int coefficients = harmonics ? (order + 1) * (order + 1) : field::gaussians;
+    if (harmonics) bands_ = rules::bands(ports, facts, order_) + 1;
+    const int coefficients = harmonics ? bands_ * bands_ : field::gaussians;
     orders_ = 1;  // voxels hold all of theirs at once
     if (!voxels_) {
       orders_ = std::min(bounces_, rules::bounces(ports, facts.max_albedo));
@@ -208,7 +208,7 @@ class RadianceField final : public Pass {
     note_changes(frame);
     bindings.publish("field", grid_);
     const std::vector<float> weights =
-        basis_ == "sg" ? field::gaussian_weights(face_size_) : field::texel_weights(face_size_, order_ + 1);
+        basis_ == "sg" ? field::gaussian_weights(face_size_) : field::texel_weights(face_size_, bands_);
     bindings.buffer("scratch.weights").write(std::as_bytes(std::span(weights)));
     // Probes in turn, by the frame's number alone: what a frame renews does not depend on what ran before.
     const auto n = static_cast<std::uint64_t>(probe_count());
@@ -399,6 +399,7 @@ class RadianceField final : public Pass {
   int budget_ = 0;
 
   interop::ProbeGrid grid_{};
+  int bands_ = 3;   ///< of spherical harmonics
   int orders_ = 1;  ///< of reflection, that the probes keep apart
   bool punctual_ = false, voxels_ = false, has_light_ = false;
   SceneFacts facts_;

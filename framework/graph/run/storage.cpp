@@ -125,7 +125,7 @@ void Storage::copy(const Storage& from, int source, int target) const {
                          std::max(desc.width >> mip, 1), std::max(desc.height >> mip, 1), depth);
     }
   } else if (const Buffer* bytes = buffer(target)) {
-    glCopyNamedBufferSubData(from.buffer(source)->name(), bytes->name(), 0, 0, static_cast<GLsizeiptr>(bytes->bytes()));
+    bytes->copy(*from.buffer(source));
   }
 }
 

@@ -1,7 +1,6 @@
 #include "measure/sweep/truth.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -10,6 +9,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "core/data_dir.h"
 #include "core/image_io.h"
 #include "loom/diagnostic.h"
 #include "reference/film.h"
@@ -97,13 +97,7 @@ void measure_errors(Truth& truth) {
 
 }  // namespace
 
-std::string default_truth_folder() {
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  const char* home = std::getenv("HOME");
-  if (cache != nullptr && *cache != '\0') return (fs::path(cache) / "lightloom" / "references").string();
-  if (home != nullptr && *home != '\0') return (fs::path(home) / ".cache" / "lightloom" / "references").string();
-  return "references";
-}
+std::string default_truth_folder() { return (fs::path(cache_dir()) / "references").string(); }
 
 std::string truth_id(const scene::Setup& setup, glm::ivec2 size, const TruthTarget& target) {
   return picture_id(setup, size) +

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 
+#include "gpu/format.h"
 #include "viewer/theme.h"
 #include "viewer/ui.h"
 
@@ -130,7 +131,7 @@ void TexturePanel::draw_image() {
     const int x = static_cast<int>((mouse.x - corner.x) / fit), y = static_cast<int>((mouse.y - corner.y) / fit);
     if (const auto value = texel_at(texels_, settings, x, y)) {
       std::string numbers;
-      for (int c = 0; c < channel_count(texels_.desc.format); ++c)
+      for (int c = 0; c < gpu::gl_format(texels_.desc.format).channels; ++c)
         numbers += (c == 0 ? "" : ", ") + number((*value)[c]);
       const std::string unit = unit_.empty() ? "" : " " + unit_;
       text = fmt::format("({}, {})  {}{}   ", x, view_.height - 1 - y, numbers, unit) + text;
