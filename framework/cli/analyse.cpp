@@ -38,13 +38,13 @@ void run(const Arguments& arguments, const Session& session) {
   if (session.json) {
     Json document = versioned();
     document["scene"] = loaded.setup.scene.path;
-    add_facts(document, loaded.facts);
+    add_facts(document, loaded.facts, loaded.setup.scene.origin);
     document["required_order"] = order;
     print(document);
     return;
   }
   std::printf("%s\n  triangles   %zu\n", loaded.setup.scene.path.c_str(), loaded.facts.triangles);
-  print_facts(loaded.facts);
+  print_facts(loaded.facts, loaded.setup.scene.origin);
   std::printf("  irradiance takes order %d: above it lies less than %g of its mean square\n", order,
               rules::bands_threshold);
 }

@@ -8,14 +8,14 @@
 namespace loom::cli {
 namespace {
 
-Json measured_json(const SceneMeasurements& m) {
+Json measured_json(const SceneMeasurements& m, const glm::dvec3& origin) {
   Json above = Json::array();
   for (std::size_t order = 0; order < SceneMeasurements::bands; ++order)
     above.push_back(rules::above_band(m, static_cast<int>(order)));
-  return {{"lit_min", vector_json(m.lit_min)},
-          {"lit_max", vector_json(m.lit_max)},
-          {"seen_min", vector_json(m.seen_min)},
-          {"seen_max", vector_json(m.seen_max)},
+  return {{"lit_min", vector_json(m.lit_min + origin)},
+          {"lit_max", vector_json(m.lit_max + origin)},
+          {"seen_min", vector_json(m.seen_min + origin)},
+          {"seen_max", vector_json(m.seen_max + origin)},
           {"thinnest_occluder_m", m.thinnest_occluder},
           {"sheets", m.sheets},
           {"probes", m.probes},
@@ -30,9 +30,9 @@ void print_box(const char* name, const glm::dvec3& low, const glm::dvec3& high) 
   std::printf("  %-11s (%g, %g, %g) to (%g, %g, %g) m\n", name, low.x, low.y, low.z, high.x, high.y, high.z);
 }
 
-void print_measured(const SceneMeasurements& m) {
-  print_box("lit", m.lit_min, m.lit_max);
-  print_box("seen", m.seen_min, m.seen_max);
+void print_measured(const SceneMeasurements& m, const glm::dvec3& origin) {
+  print_box("lit", m.lit_min + origin, m.lit_max + origin);
+  print_box("seen", m.seen_min + origin, m.seen_max + origin);
   std::printf("  occluders   thinnest %g m; %.1f %% of the surface is sheets without an inside\n", m.thinnest_occluder,
               100 * m.sheets);
   std::printf("  spectrum at %d probes, share of the mean square\n", m.probes);
@@ -44,10 +44,10 @@ void print_measured(const SceneMeasurements& m) {
 
 }  // namespace
 
-void add_facts(Json& document, const SceneFacts& facts) {
+void add_facts(Json& document, const SceneFacts& facts, const glm::dvec3& origin) {
   document["triangles"] = facts.triangles;
-  document["bounds_min"] = vector_json(facts.bounds_min);
-  document["bounds_max"] = vector_json(facts.bounds_max);
+  document["bounds_min"] = vector_json(facts.bounds_min + origin);
+  document["bounds_max"] = vector_json(facts.bounds_max + origin);
   document["max_albedo"] = facts.max_albedo;
   document["max_chroma"] = facts.max_chroma;
   document["max_emission"] = facts.max_emission;
@@ -63,11 +63,11 @@ void add_facts(Json& document, const SceneFacts& facts) {
   document["geometry_moves"] = facts.geometry_moves;
   document["lights_move"] = facts.lights_move;
   document["camera_moves"] = facts.camera_moves;
-  document["measured"] = facts.measured ? measured_json(*facts.measured) : Json(nullptr);
+  document["measured"] = facts.measured ? measured_json(*facts.measured, origin) : Json(nullptr);
 }
 
-void print_facts(const SceneFacts& f) {
-  print_box("bounds", f.bounds_min, f.bounds_max);
+void print_facts(const SceneFacts& f, const glm::dvec3& origin) {
+  print_box("bounds", f.bounds_min + origin, f.bounds_max + origin);
   std::printf("  features    thinnest %g m, by the boxes of meshes\n", f.thinnest_feature);
   std::printf("  lights      %d spot, %d wide spot, %d point, %d directional: %d faces\n", f.spot_lights,
               f.wide_spot_lights, f.point_lights, f.directional_lights, f.light_faces());
@@ -78,7 +78,7 @@ void print_facts(const SceneFacts& f) {
               yes(f.textures));
   std::printf("  moves       geometry %s (%zu triangles), lights %s, camera %s\n", yes(f.geometry_moves),
               f.moving_triangles, yes(f.lights_move), yes(f.camera_moves));
-  if (f.measured) print_measured(*f.measured);
+  if (f.measured) print_measured(*f.measured, origin);
 }
 
 }  // namespace loom::cli

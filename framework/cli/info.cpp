@@ -35,27 +35,27 @@ Json info_json(const LoadedScene& loaded) {
   document["images"] = scene.images.size();
   document["animations"] = scene.animations.size();
   document["skins"] = scene.skins.size();
-  add_facts(document, facts);
+  add_facts(document, facts, scene.origin);
   document["sky"] = vector_json(scene.sky);
   Json& lights = document["lights"] = Json::array();
   for (const scene::Light& light : scene.lights) {
     lights.push_back({{"name", light.name},
                       {"type", name_of(light.kind)},
-                      {"position", vector_json(light.position)},
+                      {"position", vector_json(light.position + scene.origin)},
                       {"direction", vector_json(light.direction)},
                       {"intensity", vector_json(light.intensity)}});
   }
   Json& cameras = document["cameras"] = Json::array();
   for (const scene::Camera& camera : scene.cameras) {
     cameras.push_back({{"name", camera.name},
-                       {"eye", vector_json(camera.eye)},
-                       {"target", vector_json(camera.target)},
+                       {"eye", vector_json(camera.eye + scene.origin)},
+                       {"target", vector_json(camera.target + scene.origin)},
                        {"up", vector_json(camera.up)}});
   }
   const scene::Camera& used = loaded.setup.camera;
   document["camera"] = {{"name", used.name},
-                        {"eye", vector_json(used.eye)},
-                        {"target", vector_json(used.target)},
+                        {"eye", vector_json(used.eye + scene.origin)},
+                        {"target", vector_json(used.target + scene.origin)},
                         {"up", vector_json(used.up)}};
   return document;
 }
@@ -68,17 +68,19 @@ void print_info(const LoadedScene& loaded) {
               scene.instances.size());
   std::printf("  materials   %zu, %zu images; %zu animations, %zu skins\n", scene.materials.size(), scene.images.size(),
               scene.animations.size(), scene.skins.size());
-  print_facts(f);
+  print_facts(f, scene.origin);
   std::printf("  sky         (%g, %g, %g) W/(m2 sr)\n", scene.sky.r, scene.sky.g, scene.sky.b);
   for (const scene::Light& light : scene.lights) {
+    const glm::dvec3 position = light.position + scene.origin;
     std::printf("  light       %s %s at (%g, %g, %g), (%g, %g, %g) %s\n", name_of(light.kind), light.name.c_str(),
-                light.position.x, light.position.y, light.position.z, light.intensity.r, light.intensity.g,
-                light.intensity.b, light.kind == scene::LightKind::directional ? "W/m2" : "W/sr");
+                position.x, position.y, position.z, light.intensity.r, light.intensity.g, light.intensity.b,
+                light.kind == scene::LightKind::directional ? "W/m2" : "W/sr");
   }
   for (const scene::Camera& camera : scene.cameras) std::printf("  camera      %s\n", camera.name.c_str());
   const scene::Camera& used = loaded.setup.camera;
-  std::printf("  seen from   (%g, %g, %g) towards (%g, %g, %g)\n", used.eye.x, used.eye.y, used.eye.z, used.target.x,
-              used.target.y, used.target.z);
+  const glm::dvec3 eye = used.eye + scene.origin;
+  const glm::dvec3 target = used.target + scene.origin;
+  std::printf("  seen from   (%g, %g, %g) towards (%g, %g, %g)\n", eye.x, eye.y, eye.z, target.x, target.y, target.z);
 }
 
 }  // namespace

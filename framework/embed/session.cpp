@@ -94,7 +94,8 @@ struct Session::State {
     scene::Camera camera = setup->camera;
     if (setup->camera_index >= 0) camera = setup->scene.cameras[static_cast<std::size_t>(setup->camera_index)];
     if (view) {
-      camera = {.eye = view->eye, .target = view->target, .up = view->up};
+      const glm::dvec3& origin = setup->scene.origin;
+      camera = {.eye = glm::dvec3(view->eye) - origin, .target = glm::dvec3(view->target) - origin, .up = view->up};
       camera.yfov_rad = view->yfov_rad;
     }
     return camera;

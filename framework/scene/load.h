@@ -39,6 +39,11 @@ LOOM_API Setup load_setup(const std::string& path, const std::string& camera, Di
 /// lights, cameras, instances, skinned vertices. Returns false where nothing moved.
 LOOM_API bool pose(Scene& scene, double time_s);
 
+/// Far from the origin a float has few digits left for the scene itself (1e6 m: steps of 6 cm). Where that costs more
+/// than three of its 24 bits, moves posed scene and lights so that they lie about the origin, in double, and remembers
+/// by how much in Scene::origin. The step is a power of two, so that grids fall on the same cells.
+LOOM_API void recentre(Scene& scene);
+
 LOOM_API SceneFacts compute_facts(const Scene& scene);
 
 }  // namespace loom::scene

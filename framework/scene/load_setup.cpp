@@ -140,6 +140,13 @@ Setup load_setup(const std::string& path, const std::string& camera, Diagnostics
   setup.set = std::move(run.set);
   if (run.lights) replace_lights(setup.scene, std::move(*run.lights));
   if (run.sky) setup.scene.sky = *run.sky;
+  recentre(setup.scene);
+  if (run.camera) {
+    if (Camera* own = std::get_if<Camera>(&run.camera->camera)) {
+      own->eye -= setup.scene.origin;
+      own->target -= setup.scene.origin;
+    }
+  }
   const Box box = scene_box(setup.scene);
   choose_camera(setup, run.camera, box);
   if (!anything_emits(setup.scene)) add_headlamp(setup, box, diagnostics);

@@ -143,8 +143,8 @@ bool pose(Scene& scene, double time_s) {
   animate(scene, time_s);
   bool moved = false;
   for (Node& node : scene.nodes) {
-    const glm::dmat4 parent =
-        node.parent < 0 ? glm::dmat4(1) : scene.nodes[static_cast<std::size_t>(node.parent)].world;
+    const glm::dmat4 parent = node.parent < 0 ? glm::translate(glm::dmat4(1), -scene.origin)
+                                              : scene.nodes[static_cast<std::size_t>(node.parent)].world;
     moved = assign(node.world, parent * local_matrix(node)) || moved;
   }
   for (const Node& node : scene.nodes) {

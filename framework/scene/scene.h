@@ -135,6 +135,9 @@ struct Instance {
 
 struct Scene {
   std::string path;
+  /// What recentre() took off every position: `world` matrices, lights and cameras are relative to it. Nodes hold what
+  /// the file says.
+  glm::dvec3 origin{0};
   std::vector<Image> images;
   std::vector<Material> materials;  ///< at least one: index 0 exists even for an empty file
   std::vector<Mesh> meshes;         ///< skinned meshes are posed copies, one for each node that uses them

@@ -16,18 +16,18 @@ using Json = nlohmann::ordered_json;
 
 Json vector(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
-Json camera_object(const scene::Camera& camera) {
-  return {{"eye", vector(camera.eye)},
-          {"target", vector(camera.target)},
+Json camera_object(const scene::Camera& camera, const glm::dvec3& origin) {
+  return {{"eye", vector(camera.eye + origin)},
+          {"target", vector(camera.target + origin)},
           {"up", vector(camera.up)},
           {"yfov_deg", glm::degrees(camera.yfov_rad)}};
 }
 
-Json light_object(const scene::Light& light) {
+Json light_object(const scene::Light& light, const glm::dvec3& origin) {
   constexpr const char* kinds[] = {"point", "spot", "directional"};
   Json object{{"type", kinds[static_cast<std::size_t>(light.kind)]}};
   if (!light.name.empty()) object["name"] = light.name;
-  if (light.kind != scene::LightKind::directional) object["position"] = vector(light.position);
+  if (light.kind != scene::LightKind::directional) object["position"] = vector(light.position + origin);
   if (light.kind != scene::LightKind::point) object["direction"] = vector(light.direction);
   object["color"] = vector(glm::dvec3(light.intensity));
   object["intensity"] = 1;
@@ -55,15 +55,17 @@ std::string pipeline_text(const std::string& name, const std::string& base, cons
   return text_of(root);
 }
 
-std::string camera_json(const scene::Camera& camera) { return camera_object(camera).dump(); }
+std::string camera_json(const scene::Camera& camera, const glm::dvec3& origin) {
+  return camera_object(camera, origin).dump();
+}
 
 std::string run_file_text(const std::string& scene, const std::vector<scene::Light>& lights, const glm::vec3& sky,
-                          const scene::Camera& camera) {
+                          const scene::Camera& camera, const glm::dvec3& origin) {
   Json root{{"scene", scene},
-            {"camera", camera_object(camera)},
+            {"camera", camera_object(camera, origin)},
             {"sky", {{"radiance", vector(glm::dvec3(sky))}}},
             {"lights", Json::array()}};
-  for (const scene::Light& light : lights) root["lights"].push_back(light_object(light));
+  for (const scene::Light& light : lights) root["lights"].push_back(light_object(light, origin));
   return text_of(root);
 }
 

@@ -13,11 +13,11 @@ namespace loom::viewer {
 
 /// A pipeline that extends `base` (a path as it shall stand in the file) and says only what `set` changes.
 std::string pipeline_text(const std::string& name, const std::string& base, const Settings& set);
-/// --camera: JSON of a perspective view.
-std::string camera_json(const scene::Camera& camera);
+/// --camera: JSON of a perspective view. `origin`: Scene::origin; text speaks in the file's own coordinates.
+std::string camera_json(const scene::Camera& camera, const glm::dvec3& origin);
 /// A run file with these lights instead of the scene's own.
 std::string run_file_text(const std::string& scene, const std::vector<scene::Light>& lights, const glm::vec3& sky,
-                          const scene::Camera& camera);
+                          const scene::Camera& camera, const glm::dvec3& origin);
 
 struct RenderCommand {
   std::string scene, pipeline, camera;  ///< camera: a name or JSON; empty: the scene's own

@@ -58,7 +58,8 @@ bool Model::save_pipeline(const std::string& path) {
 
 std::string Model::write_run_file() const {
   const std::string text =
-      run_file_text(fs::absolute(setup_->scene.path).string(), edits_.lights, setup_->scene.sky, camera());
+      run_file_text(fs::absolute(setup_->scene.path).string(), edits_.lights, setup_->scene.sky, camera(),
+                    setup_->scene.origin);
   const fs::path path = fs::path(state_dir()) / ("view-" + std::to_string(std::hash<std::string>{}(text)) + ".json");
   write_file_atomic(path.string(), std::as_bytes(std::span(text)));
   return path.string();
@@ -67,7 +68,7 @@ std::string Model::write_run_file() const {
 std::string Model::command_line() {
   RenderCommand command{.scene = scene_path_,
                         .pipeline = edits_.pipeline,
-                        .camera = view_ ? camera_json(*view_) : options_.camera,
+                        .camera = view_ ? camera_json(*view_, setup_->scene.origin) : options_.camera,
                         .set = settings(),
                         .size = size_,
                         .plugin_dirs = options_.plugin_dirs};
