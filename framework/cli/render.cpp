@@ -78,13 +78,19 @@ Json stats_json(const graph::Renderer& renderer, const std::string& device) {
   return document;
 }
 
-/// Throws where some pass made NaN or infinity.
+/// Throws where a pass made NaN or infinity, or negative light: the first that did comes first.
 void check_finite(const graph::Renderer& renderer) {
   Diagnostics diagnostics;
-  for (const graph::FiniteReport& r : renderer.finite_reports()) {
-    if (r.non_finite == 0) continue;
-    diagnostics.error("not-finite", r.pass + "." + r.member + ": " + std::to_string(r.non_finite) +
-                                        " texels are not finite in frame " + std::to_string(r.frame));
+  const std::vector<graph::FiniteReport> reports = renderer.finite_reports();
+  for (const graph::FiniteReport& r : reports) {
+    const bool negative_light = r.non_negative && r.negative > 0;
+    if (r.non_finite == 0 && !negative_light) continue;
+    const bool first = !diagnostics.has_errors();
+    diagnostics.error(r.non_finite > 0 ? "not-finite" : "negative-light",
+                      r.pass + "." + r.member + " in frame " + std::to_string(r.frame) + ": " +
+                          std::to_string(r.non_finite) + " numbers are not finite, " + std::to_string(r.negative) +
+                          " are negative",
+                      {}, first ? "`" + r.pass + "` is the first pass that made one" : "");
   }
   if (diagnostics.has_errors()) throw Error(diagnostics);
 }
@@ -211,7 +217,7 @@ void add_render(CLI::App& app, Session& session) {
   command->add_option("--dt", a.dt_s, "Seconds from one frame to the next")->check(CLI::Range(0., 1e6));
   command->add_option("--seed", a.seed, "Seed of every random choice")->capture_default_str();
   command->add_option("--stats", a.stats, "Write times and memory as JSON to this file (- for stdout)");
-  command->add_flag("--check-finite", a.check_finite, "Fail where a pass makes NaN or infinity");
+  command->add_flag("--check-finite", a.check_finite, "Fail where a pass makes NaN, infinity or negative light");
   command->add_option("--max-memory", a.max_memory, "Refuse a plan that takes more bytes (K, M, G: powers of 1024)")
       ->transform(CLI::AsSizeValue(false));
   add_json_option(*command, session);

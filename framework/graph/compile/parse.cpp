@@ -14,6 +14,9 @@
 namespace loom::graph {
 namespace {
 
+// Every text that the compiler takes ends in bounded time: some of its steps are quadratic in the passes.
+constexpr std::size_t max_passes = 1024;
+
 using json::Kind;
 using json::Member;
 using json::Node;
@@ -205,6 +208,13 @@ Document read_document(Loaded loaded, const std::string& file, Diagnostics& diag
             reader.expect(member.value, Kind::object, "input `" + member.key + '`'))
           document.inputs.push_back(reader.input(member));
     } else if (section.key == "passes" && reader.expect(section.value, Kind::object, "`passes`")) {
+      if (section.value.members.size() > max_passes) {
+        diagnostics.error("too-many-passes",
+                          "a pipeline may have " + std::to_string(max_passes) + " passes, this one has " +
+                              std::to_string(section.value.members.size()),
+                          section.key_where);
+        continue;
+      }
       document.passes.reserve(section.value.members.size());
       for (auto& member : section.value.members)
         if (!member.value.is(Kind::null) && reader.check_name(member, "a pass") &&

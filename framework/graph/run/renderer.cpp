@@ -14,6 +14,7 @@
 #include "gpu/debug.h"
 #include "gpu/timer.h"
 #include "graph/run/bindings.h"
+#include "graph/run/finite.h"
 #include "graph/run/frame.h"
 #include "graph/run/gl_state.h"
 #include "graph/run/keep.h"
@@ -65,6 +66,19 @@ void on_behalf(const CompiledPass& pass, std::string_view doing, const Work& wor
   throw Error(std::move(diagnostics));
 }
 
+// What a driver could not do in the middle of a frame, it says once, here: the frame is not to be trusted.
+void require_device() {
+  Diagnostics diagnostics;
+  if (glGetGraphicsResetStatus() != GL_NO_ERROR) {
+    diagnostics.error("device-lost", "the graphics device was reset in the middle of a frame, and all it held is lost",
+                      {}, "run it again; a driver may end a frame that takes seconds: a smaller --size is quicker");
+  } else if (glGetError() == GL_OUT_OF_MEMORY) {
+    diagnostics.error("device-memory", "the graphics device ran out of memory in the middle of a frame", {},
+                      "a smaller image or grid needs less: see loom plan, and --max-memory");
+  }
+  if (diagnostics.has_errors()) throw Error(std::move(diagnostics));
+}
+
 class RendererImpl final : public Renderer {
  public:
   RendererImpl(CompiledGraph graph, Device& device, RendererOptions options)
@@ -107,7 +121,10 @@ class RendererImpl final : public Renderer {
     }
     ++frames_since_reset_;
     const auto cpu_end = Clock::now();
-    if (options_.wait) glFinish();
+    if (options_.wait) {
+      glFinish();
+      require_device();
+    }
     wall_ms_.add(milliseconds(Clock::now() - wall_start));
     frame_cpu_ms_.add(milliseconds(cpu_end - wall_start));
     collect_times(false);
@@ -283,7 +300,8 @@ class RendererImpl final : public Renderer {
     }
     cpu_ms_[position].add(milliseconds(Clock::now() - start));
     timer_.mark();
-    if (options_.check_finite && (kept_.empty() || kept_.back() != pass.name)) check_finite(pass);
+    if (options_.check_finite && (kept_.empty() || kept_.back() != pass.name))
+      count_bad_numbers(graph_, pass, storage_, frame_.info().index, finite_);
   }
 
   // What the pass is about to make. What it takes over from others is as they left it.
@@ -293,23 +311,6 @@ class RendererImpl final : public Renderer {
       if (output.in_place || output.forwards || output.absent) continue;
       for (const BoundPort& port : pass.bound)
         if (!port.is_input && port.name == output.name && port.bundle != none) structs_.poison(port.bundle);
-    }
-  }
-
-  void check_finite(const CompiledPass& pass) {
-    for (const BoundPort& port : pass.bound) {
-      if (port.is_input || port.name == "scratch" || port.name == "persistent") continue;
-      for (const BoundMember& member : port.members) {
-        const Texture* texture = member.resource == none ? nullptr : storage_.texture(member.resource);
-        if (!texture || is_integer(texture->desc().format)) continue;
-        FiniteReport report{pass.name, port.name + "." + member.name, frame_.info().index};
-        for (const glm::vec4& texel : texture->read())
-          for (int c = 0; c < 4; ++c) {
-            report.non_finite += std::isfinite(texel[c]) ? 0 : 1;
-            report.negative += texel[c] < 0 ? 1 : 0;
-          }
-        if (report.non_finite + report.negative > 0) finite_.push_back(std::move(report));
-      }
     }
   }
 

@@ -50,10 +50,11 @@ enum class ParamChange {
   refused,        ///< see the diagnostics; nothing changed
 };
 
-/// Only outputs that had any are reported.
+/// Numbers in one output after its pass ran. Only outputs that had any are reported, in the order they were made.
 struct FiniteReport {
   std::string pass, member;
   std::uint64_t frame = 0, non_finite = 0, negative = 0;
+  bool non_negative = false;  ///< an amount of light: `negative` must be 0
 };
 
 /// An image read back: RGBA floats, row 0 at the top.
