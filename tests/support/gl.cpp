@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "loom/diagnostic.h"
+#include "support/user_cache.h"
 
 namespace loom::test {
 
@@ -15,6 +16,7 @@ struct Shared {
   std::optional<gpu::Context> context;
   std::string why;
   Shared() {
+    isolate_user_cache();
     try {
       context = gpu::Context::headless();
     } catch (const Error& error) {

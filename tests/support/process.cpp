@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "support/temp_dir.h"
+#include "support/user_cache.h"
 
 namespace loom::test {
 namespace {
@@ -24,6 +25,7 @@ std::string read_text(const std::string& path) {
 }  // namespace
 
 ProcessResult run_process(const std::string& program, const std::vector<std::string>& arguments) {
+  isolate_user_cache();
   const TempDir dir;
   const std::string out = dir / "out", err = dir / "err";
   posix_spawn_file_actions_t actions;
