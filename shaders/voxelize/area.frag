@@ -23,7 +23,9 @@ void main() {
     vec3 moments = sign_of_turn * (up_to - below);
     below = up_to;
     float area = share * moments.x / abs(column.normal.z);
-    if (!(area * FIXED >= .5)) continue;
+    // Under one unit along the dominant axis the normal would round to nothing, and the sheet would have an area without
+    // a plane.
+    if (!(share * moments.x * FIXED >= 1.)) continue;
     vec2 place = moments.yz / moments.x;
     vec3 piece_low, piece_high, floor_of_cell = vec3(0, 0, k);
     bound_piece(a, b, c, column.slope, float(k), piece_low, piece_high);
