@@ -156,7 +156,10 @@ void Ports::persistent(std::string_view name, const BufferDesc& desc) {
   persistents.push_back({.name = std::string(name), .desc = desc, .access = Access::storage_write});
 }
 
-void Ports::keep_outputs() { keeps_outputs = rule("static"); }
+void Ports::keep_outputs(Keep what) {
+  keeps_outputs = rule("static");
+  renews_parts = keeps_outputs && what == Keep::parts;
+}
 void Ports::side_effect() { has_side_effect = true; }
 
 bool Ports::rule(std::string_view name) const { return !rule_enabled_ || rule_enabled_(name); }

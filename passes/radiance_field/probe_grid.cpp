@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
@@ -27,6 +32,29 @@ loom::interop::ProbeGrid fit_probes(const loom::rules::Bounds& box, const GridOp
   grid.spacing.w = static_cast<float>(2 * glm::length(glm::dvec3(grid.spacing)));
   grid.weights = {static_cast<float>(options.moments), static_cast<float>(options.behind), 0, 0};
   return grid;
+}
+
+std::vector<std::int32_t> read_by(const loom::interop::ProbeGrid& grid, std::span<const std::uint32_t> cells) {
+  const glm::ivec3 counts(grid.counts);
+  const auto index = [&](glm::ivec3 p) { return p.x + counts.x * (p.y + counts.y * p.z); };
+  const auto any_read = [&](glm::ivec3 probe) {
+    const glm::ivec3 low = glm::max(probe - 2, glm::ivec3(0)), high = glm::min(probe + 1, counts - 1);
+    for (int z = low.z; z <= high.z; ++z) {
+      for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x)
+          if (cells[static_cast<std::size_t>(index({x, y, z}))] != 0) return true;
+      }
+    }
+    return false;
+  };
+  std::vector<std::int32_t> probes;
+  for (int z = 0; z < counts.z; ++z) {
+    for (int y = 0; y < counts.y; ++y) {
+      for (int x = 0; x < counts.x; ++x)
+        if (any_read({x, y, z})) probes.push_back(index({x, y, z}));
+    }
+  }
+  return probes;
 }
 
 double shortest_step(const loom::interop::ProbeGrid& grid) {

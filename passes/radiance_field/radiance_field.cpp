@@ -13,6 +13,9 @@
 // With `voxels` wired, texels look up what the voxelized scene reflects (all orders of `light`, where Radiosity is
 // wired there) instead: L = R, once.
 //
+// Where `readers` is wired, and probes do not light each other, those that no pixel of it reads sleep: they are off
+// until one does.
+//
 // With a `budget`, so many probes are captured and all their orders renewed in each frame, in turn; after `bounces`
 // rounds the field of a still scene is exactly the field that is made at once.
 #include <algorithm>
@@ -21,6 +24,7 @@
 #include <cstdint>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,6 +40,7 @@
 #include "loom/plugin.h"
 #include "loom/rules.h"
 #include "probe_grid.h"
+#include "sleepers.h"
 #include "texel_weights.h"
 
 namespace {
@@ -117,6 +122,7 @@ class RadianceField final : public Pass {
     auto lights = ports.in("lights", "LightLayers").optional();
     lights.reads("shadow").reads("faces", Access::storage_read);
     auto voxels = ports.in("voxels", "VoxelScene").optional().reads("coverage").reads("radiance");
+    auto readers = ports.in("readers", "Surface").optional().reads("depth");
     auto field = ports.out("field", "ProbeField");
     voxels_ = voxels.texture("coverage") != nullptr && voxels.texture("radiance") != nullptr;
     auto light = ports.in("light", "VoxelScene").optional().reads("radiance");
@@ -136,6 +142,7 @@ class RadianceField final : public Pass {
     grid_ = field::fit_probes(
         rules::bounds(ports, facts),
         {.probes = probes_, .inset = inset_, .coefficients = coefficients, .moments = moments_, .behind = behind_});
+    decide_sleep(ports, readers);
     if (!declare_storage(ports)) return;
     const glm::ivec3 counts(grid_.counts);
     field.texture(
@@ -154,7 +161,7 @@ class RadianceField final : public Pass {
     // A probe may stand close to a wall. Reversed float depth loses nothing by it: near/z keeps its digits down to
     // 1e-38.
     near_ = static_cast<float>(std::max(1e-9 * glm::length(facts.bounds_max - facts.bounds_min), 1e-30));
-    ports.keep_outputs();
+    ports.keep_outputs(sleeps_ ? Keep::parts : Keep::whole);
     ports.decide("bounds",
                  std::to_string(counts.x) + "×" + std::to_string(counts.y) + "×" + std::to_string(counts.z) +
                      " probes, " + std::to_string(grid_.spacing.x) + " m apart",
@@ -185,6 +192,7 @@ class RadianceField final : public Pass {
       capture_masked_ = facts_.alpha_mask ? capture(facts_, true) : nullptr;
       store_ = program({"radiance_field/store.comp"}, {});
     }
+    if (sleeps_) sleepers_.emplace(program({"radiance_field/readers.comp"}, {}));
     classify_ = program({"radiance_field/classify.comp"}, {});
     map_moments_ = program({"radiance_field/moments.comp"}, {});
     auto defines = scene_defines(facts_);
@@ -210,18 +218,19 @@ class RadianceField final : public Pass {
     const std::vector<float> weights =
         basis_ == "sg" ? field::gaussian_weights(face_size_) : field::texel_weights(face_size_, bands_);
     bindings.buffer("scratch.weights").write(std::as_bytes(std::span(weights)));
-    // Probes in turn, by the frame's number alone: what a frame renews does not depend on what ran before.
-    const auto n = static_cast<std::uint64_t>(probe_count());
-    first_probe_ = static_cast<int>(frame.info().index * static_cast<std::uint64_t>(slots()) % n);
+    update_ = sleeps_ ? sleepers_->wake(frame, bindings, grid_, what_probes_see(frame, bindings))
+                      : in_turn(frame.info().index);
+    if (update_.empty()) return;
+    bindings.buffer("scratch.probes").write(std::as_bytes(std::span(update_)));
 
     place(frame, bindings);
     const int texels = 6 * face_size_ * face_size_;
-    dispatch(frame, bindings, *map_moments_, {moments_ * moments_, slots(), 1});
-    dispatch(frame, bindings, *light_, {texels, slots(), 1});
+    dispatch(frame, bindings, *map_moments_, {moments_ * moments_, updated(), 1});
+    dispatch(frame, bindings, *light_, {texels, updated(), 1});
     frame.barrier();
     for (int reflection = 0; reflection < orders_; ++reflection) {
       project_->set("reflection", reflection);
-      dispatch(frame, bindings, *project_, {64 * slots(), 1, 1});
+      dispatch(frame, bindings, *project_, {64 * updated(), 1, 1});
       frame.barrier();
     }
     resolve_->set("order_count", orders_);
@@ -240,10 +249,11 @@ class RadianceField final : public Pass {
 
  private:
   [[nodiscard]] int probe_count() const { return grid_.counts.x * grid_.counts.y * grid_.counts.z; }
-  /// Probes that one frame renews.
+  /// Probes that one frame renews at most, and those that this one does.
+  [[nodiscard]] int updated() const { return static_cast<int>(update_.size()); }
   [[nodiscard]] int slots() const { return budget_ == 0 ? probe_count() : std::min(budget_, probe_count()); }
   /// Where the field stands while it is made: it has to outlive the frame only where the frame renews a part of it.
-  [[nodiscard]] std::string persistent() const { return budget_ == 0 ? "scratch" : "persistent"; }
+  [[nodiscard]] std::string persistent() const { return budget_ == 0 && !sleeps_ ? "scratch" : "persistent"; }
   [[nodiscard]] int batch() const { return std::min(slots(), max_layers / 6); }
 
   /// False, with a diagnostic, where a buffer would be larger than every device can bind.
@@ -269,14 +279,19 @@ class RadianceField final : public Pass {
       ports.scratch("surface", layered(Format::rgba32f), Access::color);
       ports.scratch("depth", layered(Format::depth32f), Access::depth);
     }
+    ports.scratch("probes", BufferDesc{slot_count * sizeof(std::int32_t)});
     ports.scratch("batch", BufferDesc{slot_count * sizeof(std::int32_t)});
     ports.scratch("weights", BufferDesc{texels * coefficients * sizeof(float)});
     ports.scratch("found", BufferDesc{slot_count * sizeof(glm::vec4)});
     ports.scratch("texels", BufferDesc{texel_bytes});
     ports.scratch("surfaces", BufferDesc{slot_count * texels * sizeof(glm::uvec4)});
     const auto state = [&](std::string_view name, std::size_t bytes) {
-      budget_ == 0 ? ports.scratch(name, BufferDesc{bytes}) : ports.persistent(name, BufferDesc{bytes});
+      persistent() == "scratch" ? ports.scratch(name, BufferDesc{bytes}) : ports.persistent(name, BufferDesc{bytes});
     };
+    if (sleeps_) {
+      ports.scratch("read_cells", BufferDesc{n * sizeof(std::uint32_t)});
+      ports.persistent("captured", BufferDesc{n * sizeof(std::uint32_t)});
+    }
     state("states", n * sizeof(glm::vec4));
     state("moments", moment_bytes);
     state("orders", order_bytes);
@@ -285,6 +300,32 @@ class RadianceField final : public Pass {
 
   /// The seed places the rays.
   static std::uint64_t versions(const Frame& frame) { return scene_version(frame.scene(), frame.info().seed); }
+
+  void decide_sleep(Ports& ports, const InputPort& readers) {
+    sleeps_ = false;
+    if (readers.absent() || !ports.rule("sleeping-probes")) return;
+    sleeps_ = orders_ == 1 && budget_ == 0;
+    ports.decide("sleeping-probes", sleeps_ ? "probes that no pixel reads are not captured" : "every probe is awake",
+                 sleeps_        ? "`readers` is wired: GatherProbes reads within two grid steps of a point"
+                 : budget_ != 0 ? "a budget renews all in turn"
+
+                                : "probes light each other: each is read by others");
+  }
+
+  /// Probes in turn, by the frame's number alone: what a frame renews does not depend on what ran before.
+  [[nodiscard]] std::vector<std::int32_t> in_turn(std::uint64_t index) const {
+    const auto n = static_cast<std::uint64_t>(probe_count()), count = static_cast<std::uint64_t>(slots());
+    std::vector<std::int32_t> probes(count);
+    for (std::uint64_t slot = 0; slot < count; ++slot)
+      probes[slot] = static_cast<std::int32_t>((index * count + slot) % n);
+    return probes;
+  }
+
+  [[nodiscard]] std::uint64_t what_probes_see(const Frame& frame, const Bindings& bindings) const {
+    std::uint64_t seen = mix_in(mix_in(versions(frame), emitter_rays_), inside_);
+    for (const char* input : {"lights", "voxels", "light"}) seen = mix_in(seen, bindings.revision(input));
+    return seen;
+  }
 
   /// From when on the field of a still scene has to be renewed; after a reset, frames count from 0 again.
   void note_changes(const Frame& frame) {
@@ -296,15 +337,14 @@ class RadianceField final : public Pass {
 
   void dispatch(Frame& frame, const Bindings& bindings, const Program& program, glm::ivec3 threads) const {
     program.set("face_size", face_size_);
-    program.set("first_probe", first_probe_);
-    program.set("slot_count", slots());
+    program.set("slot_count", updated());
     frame.dispatch(program, bindings, threads);
   }
 
   /// Captures the geometry around every probe of the update; a probe inside something is moved out and captured again,
   /// or switched off.
   void place(Frame& frame, const Bindings& bindings) const {
-    std::vector<glm::vec4> states(static_cast<std::size_t>(slots()), glm::vec4(0));
+    std::vector<glm::vec4> states(update_.size(), glm::vec4(0));
     std::vector<std::int32_t> entries(states.size());
     std::iota(entries.begin(), entries.end(), 0);
     const double step = field::shortest_step(grid_);
@@ -333,18 +373,18 @@ class RadianceField final : public Pass {
 
   void write_states(const Bindings& bindings, const std::vector<glm::vec4>& states) const {
     const Buffer& buffer = bindings.buffer(persistent() + ".states");
-    const auto until_end = static_cast<std::size_t>(std::min(slots(), probe_count() - first_probe_));
-    const auto bytes = std::as_bytes(std::span(states));
-    buffer.write(bytes.first(until_end * sizeof(glm::vec4)),
-                 static_cast<std::size_t>(first_probe_) * sizeof(glm::vec4));
-    if (until_end < states.size()) buffer.write(bytes.subspan(until_end * sizeof(glm::vec4)));
+    std::vector<glm::vec4> all(static_cast<std::size_t>(probe_count()));
+    buffer.read(std::as_writable_bytes(std::span(all)));
+    for (std::size_t slot = 0; slot < states.size(); ++slot)
+      all[static_cast<std::size_t>(update_[slot])] = states[slot];
+    buffer.write(std::as_bytes(std::span(all)));
   }
 
   std::vector<glm::vec4> classify(Frame& frame, const Bindings& bindings, float margin) const {
     classify_->set("margin", margin);
-    dispatch(frame, bindings, *classify_, {slots(), 1, 1});
+    dispatch(frame, bindings, *classify_, {updated(), 1, 1});
     frame.barrier();
-    std::vector<glm::vec4> found(static_cast<std::size_t>(slots()));
+    std::vector<glm::vec4> found(update_.size());
     bindings.buffer("scratch.found").read(std::as_writable_bytes(std::span(found)));
     return found;
   }
@@ -377,8 +417,7 @@ class RadianceField final : public Pass {
             int count) const {
     frame.bind(program, bindings);
     program.set("face_size", face_size_);
-    program.set("first_probe", first_probe_);
-    program.set("slot_count", slots());
+    program.set("slot_count", updated());
     program.set("first_entry", first);
     program.set("entry_count", count);
     program.set("near", near_);
@@ -401,11 +440,12 @@ class RadianceField final : public Pass {
   interop::ProbeGrid grid_{};
   int bands_ = 3;   ///< of spherical harmonics
   int orders_ = 1;  ///< of reflection, that the probes keep apart
-  bool punctual_ = false, voxels_ = false, has_light_ = false;
+  bool punctual_ = false, voxels_ = false, has_light_ = false, sleeps_ = false;
   SceneFacts facts_;
   float near_ = 0;
-  int first_probe_ = 0;
+  std::vector<std::int32_t> update_;  ///< the probes that this frame renews
   std::uint64_t versions_ = 0, changed_at_ = 0;
+  std::optional<field::Sleepers> sleepers_;
   std::shared_ptr<const Program> capture_, capture_masked_, trace_, store_, classify_, map_moments_, light_, project_,
       resolve_;
 };

@@ -9,11 +9,14 @@
 //           small, and met by chance it makes speckles (shaders/ray_march/aim.glsl);
 //   cones   from every pixel, over a pyramid of ever coarser cells: no noise, but blocked too early;
 //   volume  rays from the cells of a coarse grid, as two-band SH for GatherVolume (`volume`): independent of the
-//   picture.
+//   picture. Of these cells only those that the pixels of `readers` read, where it is wired: the others sleep, and hold
+//   0.
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +25,7 @@
 #include <glm/vec4.hpp>
 
 #include "interop/grid.h"
+#include "loom/fingerprint.h"
 #include "loom/grid.h"
 #include "loom/plugin.h"
 #include "loom/rules.h"
@@ -65,6 +69,7 @@ class RayMarch final : public Pass {
     voxels.reads("radiance");
     if (emitter_) voxels.reads("emission");
     auto light = ports.in("light", "VoxelScene").optional().reads("radiance");
+    auto readers = ports.in("readers", "Surface").optional().reads("depth").reads("normal");
     auto irradiance = ports.out("irradiance", "Irradiance").attribute("quantity", "irradiance");
     auto volume = ports.out("volume", "ShVolume").attribute("bands", 2).attribute("cascades", 1);
     has_light_ = light.texture("radiance") != nullptr;
@@ -99,7 +104,12 @@ class RayMarch final : public Pass {
         ports.scratch("targets", BufferDesc{(1 + targets) * sizeof(glm::ivec4)});
       }
     }
-    if (surface.absent() && !facts.moves && ports.rule("static")) ports.keep_outputs();
+    sleeps_ = !readers.absent() && ports.rule("sleeping-probes");
+    if (surface.absent() && !facts.moves) ports.keep_outputs(sleeps_ ? Keep::parts : Keep::whole);
+    if (!sleeps_) return;
+    ports.persistent("cells", cell_texture(probe_grid_, Format::r32ui), Access::image_read_write);
+    ports.decide("sleeping-probes", "cells of the volume that no pixel reads send no rays",
+                 "`readers` is wired: GatherVolume reads the eight cells around a point");
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
@@ -107,9 +117,10 @@ class RayMarch final : public Pass {
                                       {"EMITTER", emitter_ ? "1" : "0"},
                                       {"EMISSION", emission_ ? "1" : "0"},
                                       {"AIMED", aimed_ > 0 ? "1" : "0"},
+                                      {"SLEEPS", sleeps_ ? "1" : "0"},
                                       {"CHANNELS", std::to_string(channels_)}};
     const auto program = [&](const char* file) { return device.program({.files = {file}, .defines = defines}); };
-    pixels_ = base_ = reduce_ = draw_ = volume_ = nullptr;
+    pixels_ = base_ = reduce_ = draw_ = wake_ = volume_ = nullptr;
     if (bindings.has("irradiance.irradiance")) {
       const bool cones = method_ == "cones";
       pixels_ = program(cones ? "ray_march/cones.comp" : "ray_march/march.comp");
@@ -122,7 +133,9 @@ class RayMarch final : public Pass {
         draw_ = program("ray_march/draw_targets.comp");
       }
     }
-    if (bindings.has("volume.red")) volume_ = program("ray_march/volume.comp");
+    if (!bindings.has("volume.red")) return;
+    if (sleeps_) wake_ = program("ray_march/wake.comp");
+    volume_ = program("ray_march/volume.comp");
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -130,6 +143,7 @@ class RayMarch final : public Pass {
     if (pixels_) frame.dispatch(*pixels_, bindings, {frame.size(), 1});
     if (!volume_) return;
     bindings.publish("volume", probe_grid_);
+    if (wake_) wake(frame, bindings);
     frame.dispatch(*volume_, bindings, glm::ivec3(probe_grid_.cells));
   }
 
@@ -137,6 +151,17 @@ class RayMarch final : public Pass {
   [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override { return frame.info().seed; }
 
  private:
+  /// Finds the cells that a pixel reads. Those that sent their rays keep what came of it, until the rays, or what they
+  /// meet, are others.
+  void wake(Frame& frame, const Bindings& bindings) {
+    std::uint64_t rays = mix_in(mix_in(frame.info().seed, rays_), bindings.revision("voxels"));
+    if (has_light_) rays = mix_in(rays, bindings.revision("light"));
+    if (!bindings.kept() || marched_ != rays) bindings.texture("persistent.cells").clear(glm::vec4(0));
+    marched_ = rays;
+    frame.dispatch(*wake_, bindings, {frame.size(), 1});
+    frame.barrier();
+  }
+
   static glm::ivec3 level_cells(glm::ivec3 cells, int level) {
     const int round_up = (1 << level) - 1;
     return {(cells.x + round_up) >> level, (cells.y + round_up) >> level, (cells.z + round_up) >> level};
@@ -185,9 +210,10 @@ class RayMarch final : public Pass {
   std::string method_ = "rays";
   int rays_ = 64, aimed_ = 0, cones_ = 32, probes_ = 8, channels_ = 3;
   int levels_ = 1, slabs_ = 1;  // of the pyramid
-  bool emitter_ = false, emission_ = false, has_light_ = false;
+  bool emitter_ = false, emission_ = false, has_light_ = false, sleeps_ = false;
+  std::optional<std::uint64_t> marched_;  ///< what the rays of cells that are awake depend on
   interop::Grid probe_grid_{};
-  std::shared_ptr<const Program> pixels_, base_, reduce_, draw_, volume_;
+  std::shared_ptr<const Program> pixels_, base_, reduce_, draw_, wake_, volume_;
 };
 
 }  // namespace

@@ -1,11 +1,11 @@
-// What the probes of one update see. A slot is a probe's place in the update: slot s holds probe (first_probe + s) mod
-// all. Each has the texels of six cube faces +X −X +Y −Y +Z −Z; along a face, right × up = −forward, as a camera has it.
+// What the probes of one update see. A slot is a probe's place in the update. Each has the texels of six cube faces +X −X +Y −Y +Z −Z; along a face, right × up = −forward, as a camera has it.
 #ifndef LOOM_RADIANCE_FIELD_TEXELS_GLSL
 #define LOOM_RADIANCE_FIELD_TEXELS_GLSL
 #include "interop/probes.h"
 #include "lib/octahedral.glsl"
 
 layout(std140) uniform field_data { ProbeGrid grid; };
+layout(std430) readonly restrict buffer scratch_probes { int probes[]; };  // [slot]
 layout(std430) restrict buffer STATE_BLOCK { vec4 states[]; };  // of all probes, as the output `state`
 // [slot][texel]. rgb: radiance of the first reflection, W/(m² sr); w: distance, metres, 0 = nothing seen, negative: the
 // back of a single-sided face.
@@ -14,12 +14,11 @@ layout(std430) restrict buffer scratch_texels { vec4 texels[]; };
 layout(std430) restrict buffer scratch_surfaces { uvec4 surfaces[]; };
 
 uniform int face_size;
-uniform int first_probe;
 uniform int slot_count;
 
 int probe_count() { return grid.counts.x * grid.counts.y * grid.counts.z; }
 int texel_count() { return 6 * face_size * face_size; }
-int probe_of(int slot) { return (first_probe + slot) % probe_count(); }
+int probe_of(int slot) { return clamp(probes[clamp(slot, 0, slot_count - 1)], 0, probe_count() - 1); }
 
 int probe_index(ivec3 probe) { return probe.x + grid.counts.x * (probe.y + grid.counts.y * probe.z); }
 ivec3 probe_at(int index) {

@@ -3,6 +3,9 @@
 #include "interop/frame.h"
 #include "lib/sampling.glsl"
 #include "lib/sh.glsl"
+#if SLEEPS
+#include "ray_march/cells.glsl"
+#endif
 #include "ray_march/exitant.glsl"
 // After what sheets send out is known.
 #include "lib/voxels.glsl"
@@ -17,9 +20,26 @@ layout(rgba32f) uniform writeonly image3D volume_blue;
 #endif
 uniform int rays;
 
+void store(ivec3 cell, vec4 red, vec4 green, vec4 blue) {
+  imageStore(volume_red, cell, red);
+#if CHANNELS > 1
+  imageStore(volume_green, cell, green);
+  imageStore(volume_blue, cell, blue);
+#endif
+}
+
 void main() {
   ivec3 cell = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(cell, probes.cells.xyz))) return;
+#if SLEEPS
+  uint state = imageLoad(persistent_cells, cell).r;
+  if (state == marched) return;
+  if (state == asleep) {
+    store(cell, vec4(0), vec4(0), vec4(0));
+    return;
+  }
+  imageStore(persistent_cells, cell, uvec4(marched));
+#endif
   float size = probes.cascade[0].w;
   vec3 centre = probes.cascade[0].xyz + (vec3(cell) + .5) * size;
   uint seed = hash(uvec4(uvec3(cell), frame.random.x)).x;
@@ -37,9 +57,5 @@ void main() {
     blue += radiance.b * y;
   }
   float scale = 4. * pi / float(rays) * 1.5 * size * size;
-  imageStore(volume_red, cell, scale * red);
-#if CHANNELS > 1
-  imageStore(volume_green, cell, scale * green);
-  imageStore(volume_blue, cell, scale * blue);
-#endif
+  store(cell, scale * red, scale * green, scale * blue);
 }

@@ -200,6 +200,12 @@ void Bench::next_frame(glm::dvec2 jitter) {
   renderer_->render(*gpu_, block_, {.index = frame_++, .seed = seed_});
 }
 
+void Bench::set(const std::string& pass, const std::string& param, const std::string& value) {
+  Diagnostics diagnostics;
+  if (renderer_->set_param(pass, param, value, diagnostics) != graph::ParamChange::applied)
+    throw BadInput(std::move(diagnostics));
+}
+
 void Bench::reset() {
   renderer_->reset();
   frame_ = 0;

@@ -87,6 +87,8 @@ class Bench {
   void pose(double time_s);
   /// One more frame of the last render's pipeline, from where the camera looks now.
   void next_frame(glm::dvec2 jitter = glm::dvec2(0));
+  /// Changes a live parameter of the last render's pipeline.
+  void set(const std::string& pass, const std::string& param, const std::string& value);
   /// Forgets history, as Session::reset() does; frames count from 0 again.
   void reset();
   /// Renders and reads one output ("image", "pass.port.member").

@@ -119,7 +119,7 @@ class ResourceMaker {
       const bool swapped = std::find(history.begin(), history.end(), 1) != history.end();
       const bool own = draft_.versions[at(root)].pass == static_cast<int>(&pass - draft_.passes.data());
       if (alive_.overwritten[at(root)] == 0 && !(own && swapped)) continue;
-      pass.ports.keeps_outputs = false;
+      pass.ports.keeps_outputs = pass.ports.renews_parts = false;
       graph_.decisions.push_back({"static", "`" + pass.name() + "` runs every frame",
                                   '`' + draft_.version_name(pass.versions[i]) +
                                       (swapped ? "` is swapped with its last frame" : "` is changed in place")});

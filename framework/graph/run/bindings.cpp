@@ -20,8 +20,8 @@ bool is_image_access(Access access) {
 }  // namespace
 
 PassBindings::PassBindings(const CompiledPass& pass, const CompiledGraph& graph, const Storage& storage,
-                           BundleStructs& structs, const bool& history_valid)
-    : pass_(pass), graph_(graph), storage_(storage), structs_(structs), history_valid_(history_valid) {
+                           BundleStructs& structs, const KeepTracker& keep, const bool& history_valid)
+    : pass_(pass), graph_(graph), storage_(storage), structs_(structs), keep_(keep), history_valid_(history_valid) {
   for (const BoundPort& port : pass.bound) {
     for (const BoundMember& member : port.members) {
       for (auto* map : {&paths_, &symbols_}) {
@@ -102,6 +102,10 @@ bool PassBindings::history_valid(std::string_view input) const {
   const BoundPort& p = port(input);
   return p.history && p.connected && !p.absent && history_valid_;
 }
+
+bool PassBindings::kept() const { return keep_.kept(pass_); }
+
+std::uint64_t PassBindings::revision(std::string_view input) const { return keep_.revision(pass_, port(input).name); }
 
 void PassBindings::publish_bytes(std::string_view output, std::span<const std::byte> data) const {
   const BoundPort& p = port(output);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "graph/compile/compile.h"
+#include "graph/run/keep.h"
 #include "graph/run/storage.h"
 #include "graph/run/structs.h"
 #include "loom/frame.h"
@@ -53,13 +54,15 @@ class PassBindings final : public Bindings {
  public:
   /// Everything must outlive this. `history_valid` is the renderer's.
   PassBindings(const CompiledPass& pass, const CompiledGraph& graph, const Storage& storage, BundleStructs& structs,
-               const bool& history_valid);
+               const KeepTracker& keep, const bool& history_valid);
 
   [[nodiscard]] const Texture& texture(std::string_view path) const override;
   [[nodiscard]] const Buffer& buffer(std::string_view path) const override;
   [[nodiscard]] bool has(std::string_view path) const override;
   [[nodiscard]] bool absent(std::string_view input) const override;
   [[nodiscard]] bool history_valid(std::string_view input) const override;
+  [[nodiscard]] bool kept() const override;
+  [[nodiscard]] std::uint64_t revision(std::string_view input) const override;
 
   [[nodiscard]] const CompiledPass& pass() const { return pass_; }
   /// The plan for a program, made at first use. Throws Error (`bind`) naming what the program asks for in vain.
@@ -95,6 +98,7 @@ class PassBindings final : public Bindings {
   const CompiledGraph& graph_;
   const Storage& storage_;
   BundleStructs& structs_;
+  const KeepTracker& keep_;
   const bool& history_valid_;
   ByName<Entry> paths_;    ///< "surface.depth"
   ByName<Entry> symbols_;  ///< "surface_depth"

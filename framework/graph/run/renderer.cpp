@@ -93,7 +93,7 @@ class RendererImpl final : public Renderer {
         gpu_ms_(graph_.order.size()),
         cpu_ms_(graph_.order.size()) {
     for (const CompiledPass& pass : graph_.passes)
-      bindings_.push_back(std::make_unique<PassBindings>(pass, graph_, storage_, structs_, history_valid_));
+      bindings_.push_back(std::make_unique<PassBindings>(pass, graph_, storage_, structs_, keep_, history_valid_));
     find_producers();
     prepare_again();
   }
@@ -291,12 +291,13 @@ class RendererImpl final : public Renderer {
       kept_.push_back(pass.name);
     } else {
       const gpu::DebugGroup group(pass.name);
-      if (options_.poison) poison(pass, position);
+      if (options_.poison && !(pass.ports.renews_parts && bindings.kept())) poison(pass, position);
       for (const int resource : begins_[position]) {
         if (graph_.resources[static_cast<std::size_t>(resource)].clear_each_frame) storage_.clear(resource);
       }
       frame_.begin_pass();
       on_behalf(pass, "failed", [&] { pass.pass->execute(frame_, bindings); });
+      keep_.ran(index);
     }
     cpu_ms_[position].add(milliseconds(Clock::now() - start));
     timer_.mark();

@@ -30,6 +30,12 @@ class LOOM_API Bindings {
   [[nodiscard]] virtual bool absent(std::string_view input) const = 0;
   /// False until a history input holds a frame, and after a reset.
   [[nodiscard]] virtual bool history_valid(std::string_view input) const = 0;
+  /// True where the outputs hold what this pass last left in them: it declared keep_outputs(), nobody writes into them,
+  /// and they are not new.
+  [[nodiscard]] virtual bool kept() const = 0;
+  /// A number that is another one whenever the input may bring something else than before. For a pass that keeps parts
+  /// of its outputs while one input changes (the camera's) and others do not.
+  [[nodiscard]] virtual std::uint64_t revision(std::string_view input) const = 0;
 
   /// The bundle's std140 struct. A producer publishes it each frame; a consumer reads it or binds it by the block name
   /// `<port>_data`.

@@ -68,6 +68,9 @@ struct BundleInfo {
 
 class Ports;
 
+/// What a pass that keeps its outputs does when it runs again: makes them whole, or renews parts of them.
+enum class Keep { whole, parts };
+
 /// Handle on a declared input.
 class LOOM_API InputPort {
  public:
@@ -135,8 +138,8 @@ class LOOM_API Ports {
   void persistent(std::string_view name, const TextureDesc& desc, Access access, glm::vec4 clear = glm::vec4(0));
   void persistent(std::string_view name, const BufferDesc& desc);
   /// Outputs may be kept while fingerprint() does not change: they get storage of their own. Nothing where the rule
-  /// `static` is off.
-  void keep_outputs();
+  /// `static` is off. `parts`: where the pass runs again it may leave parts of them as they are (Bindings::kept).
+  void keep_outputs(Keep what = Keep::whole);
   /// The pass has an effect beyond its outputs (a readback, a file) and is never culled.
   void side_effect();
 
@@ -156,7 +159,7 @@ class LOOM_API Ports {
   std::vector<MemberDecl> persistents;
   std::vector<Decision> decisions;
   std::vector<Issue> issues;
-  bool keeps_outputs = false;
+  bool keeps_outputs = false, renews_parts = false;
   bool has_side_effect = false;
 
  private:
