@@ -1,7 +1,9 @@
 // L = L_e + ρ/π · (E_direct + E_indirect); the sky where depth is 0.
-#include "interop/frame.h"
 layout(local_size_x = 8, local_size_y = 8) in;
+#if SKY
+#include "interop/frame.h"
 layout(std140) uniform frame_data { FrameData frame; };
+#endif
 uniform sampler2D surface_depth;
 uniform sampler2D surface_albedo;
 #if EMISSION
@@ -20,7 +22,11 @@ const float pi = 3.14159265358979;
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, imageSize(radiance_image)))) return;
+#if SKY
   vec3 radiance = frame.sky.rgb;
+#else
+  vec3 radiance = vec3(0);
+#endif
   if (texelFetch(surface_depth, pixel, 0).r > 0) {
     vec3 irradiance = vec3(0);
 #if DIRECT

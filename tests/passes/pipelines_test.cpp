@@ -85,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, Pipelines,
                          ::testing::Values("direct", "area", "rsm", "rsm-denoised", "lpv", "lpv-cascaded-fast",
                                            "lpv-surface", "lpv-voxel", "ray-march-fast", "ray-march-probes-fast",
                                            "cone-trace-fast", "radiance-field-fast", "radiance-field-voxel-fast",
-                                           "gbuffer"),
+                                           "screen-space-fast", "ambient-occlusion-fast", "lpv-near-fast", "gbuffer"),
                          [](const auto& parameter) {
                            std::string name = parameter.param;
                            std::replace(name.begin(), name.end(), '-', '_');

@@ -1,0 +1,105 @@
+// ScreenSpaceGI: irradiance from what the camera sees near each pixel, and from a far field for the rest.
+//
+//   E(x) = π/N · Σ_{rays that end on a visible front} L(p) + (1 − o)·E_far(x)
+//
+// Rays are cosine-distributed about the normal and end on the first piece of the depth image that they meet within
+// `radius`, `thickness` metres thick along the view; thirty-two share a walk over the image (horizon search with a
+// visibility bitmask: shaders/lib/screen_rays.glsl). L is the picture wired as `radiance`: what surfaces reflect,
+// without what they emit themselves, which AreaLight brings. `o` is the share of rays that ended.
+//
+// Alone (`far` unwired) what the image does not show is dark. On top of a volume method `far` is that method's
+// irradiance: light from within the radius comes from the image and light from beyond from the field, whose share of
+// the directions that the near field has answered is taken out. A ray has one source or the other, so that none is
+// counted twice: where near surfaces send what the field holds, as in a furnace, E is E_far to the last digit. What is
+// approximated is that the field is as bright in the directions taken out as it is on the whole.
+//
+// A ray that meets another side of a piece than the one seen ends as well. `hidden` says what it brings: what the front
+// sends, its share of the far field, or nothing. How many rays left the image or met such a side is the output
+// `unknown`.
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "loom/plugin.h"
+#include "loom/resolution.h"
+#include "loom/rules.h"
+
+namespace {
+
+using namespace loom;
+
+class ScreenSpaceGI final : public Pass {
+ public:
+  void params(Params& p) override {
+    p.integer("slices", slices_,
+              {.min = 1, .max = 64, .scale = Scale::log, .doc = "image lines walked a pixel, with 32 rays each"});
+    p.integer("steps", steps_,
+              {.min = 2,
+               .max = 1024,
+               .scale = Scale::log,
+               .doc = "texels read on each half of a line; every one that it crosses where these suffice, else denser "
+                      "near the pixel"});
+    p.real("radius", radius_,
+           {.min = 1e-4, .max = 1e6, .unit = "m", .scale = Scale::log, .doc = "how far rays are followed"});
+    p.real("thickness", thickness_,
+           {.min = 1e-4,
+            .max = 1e6,
+            .unit = "m",
+            .scale = Scale::log,
+            .doc = "how far what is seen goes on behind its surface, along the view: rays pass behind that"});
+    p.choice("hidden", hidden_, {"front", "far", "dark"},
+             {.cost = Cost::shader,
+              .doc = "what a side sends that the camera does not see: as much as the front, the share of the far field "
+                     "in its direction, or nothing"});
+    resolution_.params(p);
+  }
+
+  void reflect(Ports& ports, const SceneFacts&) override {
+    auto surface = ports.in("surface", "Surface").reads("depth").reads("normal").reads("geometric_normal");
+    const auto radiance = ports.in("radiance", "Image").reads("image");
+    const auto far = ports.in("far", "Irradiance").optional().reads("irradiance");
+    auto irradiance = ports.out("irradiance", "Irradiance").attribute("quantity", "irradiance");
+    auto unknown = ports.out("unknown", "Image").attribute("quantity", "shares of rays");
+    if (surface.absent()) {
+      unknown.absent(surface.why_absent());
+      return irradiance.absent(surface.why_absent());
+    }
+    unknown.texture("image", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    if (radiance.absent()) return irradiance.absent(radiance.why_absent());
+    const int channels = rules::channels({radiance, far});
+    irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
+                       Access::image_write);
+    irradiance.attribute("channels", channels);
+    far_ = !far.absent();
+    resolution_.declare(ports, channels);
+  }
+
+  void prepare(Device& device, const Bindings& bindings) override {
+    light_ = bindings.has("irradiance.irradiance");
+    if (light_)
+      resolution_.prepare(device, {.files = {"screen_space_gi/near_light.comp"},
+                                   .defines = {{"FAR", far_ ? "1" : "0"}, {"HIDDEN", "HIDDEN_" + hidden_}}});
+    unknown_ = bindings.has("unknown.image") ? device.program({.files = {"screen_space_gi/unknown.comp"}}) : nullptr;
+  }
+
+  void execute(Frame& frame, const Bindings& bindings) override {
+    if (light_) resolution_.dispatch(frame, bindings);
+    if (unknown_) frame.dispatch(*unknown_, bindings, {frame.size(), 1});
+  }
+
+ private:
+  int slices_ = 4;
+  int steps_ = 32;
+  float radius_ = 1e6F;
+  float thickness_ = .5F;
+  std::string hidden_ = "front";
+  bool far_ = false, light_ = false;
+  Resolution resolution_;
+  std::shared_ptr<const Program> unknown_;
+};
+
+}  // namespace
+
+LOOM_PLUGIN("screen_space_gi", registry) {
+  registry.add<ScreenSpaceGI>("ScreenSpaceGI", "Irradiance from what the camera sees nearby, and a far field beyond");
+}
