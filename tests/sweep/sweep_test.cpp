@@ -27,14 +27,17 @@ using ::testing::HasSubstr;
 
 /// Names as the command line finds them, without the command line.
 Names names() {
-  const auto in = [](const std::string& folder) {
-    return [folder](const std::string& name) {
-      std::string path = LOOM_SOURCE_DIR + folder + name + (folder == "/pipelines/" ? ".json" : ".gltf");
-      if (!std::filesystem::exists(path)) throw BadInput("no such thing: " + name);
-      return path;
+  const auto in = [](const std::vector<std::string>& places) {
+    return [places](const std::string& name) {
+      for (const std::string& place : places) {
+        std::string path = LOOM_SOURCE_DIR + place;
+        path.replace(path.find('*'), 1, name);
+        if (std::filesystem::exists(path)) return path;
+      }
+      throw BadInput("no such thing: " + name);
     };
   };
-  return {.scene = in("/configs/scenes/"), .pipeline = in("/pipelines/")};
+  return {.scene = in({"/configs/scenes/*.gltf", "/configs/runs/*.json"}), .pipeline = in({"/pipelines/*.json"})};
 }
 
 class SweepFile : public testing::Test {
@@ -153,6 +156,16 @@ TEST_F(SweepFile, ShippedSweepsFitTheSchemaAndThePasses) {
       schema,
       valijson::adapters::NlohmannJsonAdapter(nlohmann::json::parse(R"({ "scenes": ["x"], "pipelines": [4] })")),
       nullptr));
+}
+
+// The reference is what the others are measured against, the views of the G-buffer are no method.
+TEST_F(SweepFile, TheTableHasEveryShippedPipeline) {
+  std::set<std::string> measured{"reference", "gbuffer"}, shipped;
+  const Sweep sweep = read_sweep(LOOM_SOURCE_DIR "/configs/sweeps/pipelines.json", names());
+  for (const SweepEntry& entry : sweep.pipelines) measured.insert(entry.name);
+  for (const auto& entry : std::filesystem::directory_iterator(LOOM_SOURCE_DIR "/pipelines"))
+    if (entry.path().extension() == ".json") shipped.insert(entry.path().stem().string());
+  EXPECT_EQ(measured, shipped);
 }
 
 }  // namespace

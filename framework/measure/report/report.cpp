@@ -274,11 +274,12 @@ std::string markdown(const ReportData& data) {
     for (const Result* r : group) {
       const OutputError& hdr = r->errors.at("hdr");
       const OutputError& indirect = r->errors.at("indirect");
-      text += fmt::format(
-          "| {} | {} | {:.3g} ({:.2g}–{:.2g}) | {:.3g} | {:.2f} | {:.3f} | {} | {:.3g} | {:.3g} | {:.3g} | {:.1f} |\n",
-          r->scene, label_of(*r), hdr.relmse, hdr.low, hdr.high, indirect.relmse, indirect.mean_ratio,
-          indirect.flip.value_or(0), r->flicker ? fmt::format("{:.3f}", *r->flicker) : "–", r->wall_ms.median,
-          r->cpu_ms.median, r->anew_ms, static_cast<double>(r->bytes) / 1048576);
+      text +=
+          fmt::format("| {} | {} | {:.3g} ({:.2g}–{:.2g}) | {:.3g} | {:.2f} | {:.3f} | {} | {} | {} | {} | {:.1f} |\n",
+                      r->scene, label_of(*r), hdr.relmse, hdr.low, hdr.high, indirect.relmse, indirect.mean_ratio,
+                      indirect.flip.value_or(0), r->flicker ? fmt::format("{:.3f}", *r->flicker) : "–",
+                      number_text(r->wall_ms.median), number_text(r->cpu_ms.median),
+                      r->anew_ms > 0 ? number_text(r->anew_ms) : "–", static_cast<double>(r->bytes) / 1048576);
     }
   }
   for (const SceneReport& scene : data.scenes) {
@@ -320,7 +321,9 @@ std::vector<RefusedTruth> refused_truths(const ReportData& data) {
   return refused;
 }
 
-std::string number_text(double value) { return fmt::format("{:.3g}", value); }
+std::string number_text(double value) {
+  return value < 999.5 || value >= 1e6 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
+}
 
 void write_report(const ReportData& data) {
   const fs::path folder = data.folder;
