@@ -7,7 +7,8 @@ of one against the other; 0: the same bits). The two alternate, so that drift of
 favours neither. References are kept in the folder.
 
 Each of the samples looks through another point of the pixel, as a moving camera would: what depends on the view is made
-anew for each of them, and the first warms up.
+anew for each of them, and the first warms up. Where the scene itself moves, time is that of as many frames, 1/24 s apart, and
+the error that of the first moment.
 
   configs/pruning_table.py [-o FOLDER] [--size WxH] [--samples N] [--repeat N] [--scene SCENE]... [--pipeline PIPELINE]...
 """
@@ -22,6 +23,7 @@ import sys
 TOP = pathlib.Path(__file__).resolve().parent.parent
 LITTLE = ["grey-room"]
 MUCH = ["cornell-box-emissive", "sponza", "cesium-man"]
+MOVING = ["cesium-man"]
 PIPELINES = ["rsm", "lpv", "lpv-voxel", "ray-march-fast", "ray-march-probes", "cone-trace", "radiance-field",
              "radiance-field-voxel"]
 
@@ -39,6 +41,9 @@ def render(folder, scene, pipeline, options, how):
     flags = ["--no-prune"] if how == "full" else []
     loom("render", scene, "-p", pipeline, "-o", image, "--size", options.size, "--samples", options.samples, "--stats",
          stats, *flags)
+    if scene in MOVING:
+        loom("render", scene, "-p", pipeline, "-o", folder / "moving.exr", "--size", options.size, "--frames",
+             options.samples, "--dt", 1 / 24, "--stats", stats, *flags)
     figures = json.loads(stats.read_text())
     return image, figures["frame"]["wall_ms"], figures["memory"]["textures_bytes"]
 

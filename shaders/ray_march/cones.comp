@@ -20,11 +20,13 @@ writeonly uniform image2D irradiance_irradiance;
 uniform int levels;
 uniform int cones;
 
-// The pyramid at a point (in cells of level 0), towards the direction `slab`, interpolated within the level.
+// The pyramid at a point (in cells of level 0), towards the direction `slab`, interpolated within the level; beyond the
+// outermost cells there is nothing, and what they hold fades over one cell as between any two.
 vec4 pyramid_at(vec3 at, int level, int slab) {
   vec3 cells = vec3(level_cells(grid.cells.xyz, level));
-  vec3 p = clamp(at / float(1 << level), vec3(.5), cells - .5);
-  return textureLod(scratch_pyramid,
+  vec3 q = at / float(1 << level), p = clamp(q, vec3(.5), cells - .5), near = max(1. - abs(q - p), vec3(0));
+  return near.x * near.y * near.z *
+         textureLod(scratch_pyramid,
                     (vec3(level_corner(grid.cells.xyz, level, slab)) + p) / vec3(textureSize(scratch_pyramid, 0)), 0.);
 }
 
@@ -32,16 +34,20 @@ vec4 pyramid_at(vec3 at, int level, int slab) {
 vec4 cone(vec3 origin, vec3 normal, vec3 direction, float aperture) {
   // A way of one cell's size along d crosses |d_x| + |d_y| + |d_z| faces, each with what its axis blocks.
   vec3 share = abs(direction);
+  float rise = dot(direction, normal);
   ivec3 facing = ivec3(0, 2, 4) + ivec3(greaterThan(direction, vec3(0)));  // sides that look against the cone
   vec4 sum = vec4(0);
   float t = 1.;
-  // Every step is as long as the cone is wide: at most a hundred leave any grid.
-  for (int i = 0; i < 100 && sum.a < .99; ++i) {
-    float diameter = max(1., aperture * t);
-    int level = clamp(int(round(log2(diameter))), 0, levels - 1);
+  // No step is shorter than a cell: no more than there are cells along the three sides leave the grid.
+  int most = grid.cells.x + grid.cells.y + grid.cells.z;
+  for (int i = 0; i < most && sum.a < .99; ++i) {
+    // As large as the cone is wide, and so small that interpolation, over one and a half cells, does not reach down to
+    // the surface that the cone starts from: its back would block what never came from behind it. (Up to a factor √2.)
+    float clear = (1. + t * rise) / 1.5;
+    int level = clamp(int(round(min(log2(aperture * t), log2(clear) - .5))), 0, levels - 1);
     float size = float(1 << level);
     vec3 at = origin + normal + t * direction;
-    if (any(lessThan(at, vec3(0))) || any(greaterThan(at, vec3(grid.cells.xyz)))) break;
+    if (any(lessThan(at, vec3(-size))) || any(greaterThan(at, vec3(grid.cells.xyz) + size))) break;
     vec4 met = share.x * pyramid_at(at, level, facing.x) + share.y * pyramid_at(at, level, facing.y) +
                share.z * pyramid_at(at, level, facing.z);
     // Interpolation spreads a wall over two steps, each of which sees a part of it: what they block adds up.
