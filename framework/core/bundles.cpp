@@ -6,6 +6,7 @@
 #include "interop/grid.h"
 #include "interop/light.h"
 #include "interop/probes.h"
+#include "interop/vpl.h"
 
 namespace loom {
 
@@ -76,9 +77,10 @@ const std::vector<BundleType>& builtin_bundles() {
        .struct_bytes = sizeof(interop::ProbeGrid),
        .doc = "Radiance at the probes of a grid"},
       {.name = "VplSet",
-       .members = {{"lights", buffer, "W", "virtual point lights: position, normal, flux"}},
-       .struct_bytes = 16,
-       .doc = "Virtual point lights"},
+       .members = {{"lights", buffer, "W",
+                    "how many there are, and position, normal, flux of each (shaders/interop/vpl.h)"}},
+       .struct_bytes = sizeof(interop::VplSet),
+       .doc = "Virtual point lights; `most`: how many there can be, `orders`: of one path"},
       {.name = "Irradiance",
        .members = {{"irradiance", texture, "W/m²", "irradiance at each pixel's surface"}},
        .doc = "Irradiance at the visible surface, RGB"},

@@ -113,6 +113,7 @@ class Everywhere : public GlTest {
     for (const auto& [pass, param, value] : std::initializer_list<graph::Override>{{"rsm", "size", "16"},
                                                                                    {"rsm", "shadow_size", "128"},
                                                                                    {"voxelize", "grid", "10"},
+                                                                                   {"vpls", "paths", "64"},
                                                                                    {"field", "probes", "3"}}) {
       options.set.push_back({pass, param, value});
     }
