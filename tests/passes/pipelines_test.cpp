@@ -85,11 +85,8 @@ INSTANTIATE_TEST_SUITE_P(Shipped, Pipelines,
                          ::testing::Values("direct", "area", "rsm", "rsm-denoised", "lpv", "lpv-cascaded-fast",
                                            "lpv-surface", "lpv-voxel", "ray-march-fast", "ray-march-probes-fast",
                                            "cone-trace-fast", "radiance-field-fast", "radiance-field-voxel-fast",
-<<<<<<< HEAD
-                                           "screen-space-fast", "ambient-occlusion-fast", "lpv-near-fast", "gbuffer"),
-=======
+                                           "screen-space-fast", "ambient-occlusion-fast", "lpv-near-fast",
                                            "instant-radiosity-fast", "instant-radiosity-voxel", "gbuffer"),
->>>>>>> 72ebeb4 (Add instant radiosity: virtual point lights from all sources over all bounces, gathered with visibility, bounded with the loss shown or compensated)
                          [](const auto& parameter) {
                            std::string name = parameter.param;
                            std::replace(name.begin(), name.end(), '-', '_');
