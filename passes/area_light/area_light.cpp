@@ -9,12 +9,12 @@
 // does; its bias, of order 1/samples, lives in penumbrae alone).
 // Many triangles: points chosen by emitted power, E = 1/N Σ L cosθ cosθ'/(r² p) V with p = power share/area, unbiased.
 // Sky: cosine-weighted rays, E = π·L·(share that escape). All points are seeded: the same seed, the same image.
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "loom/plugin.h"
+#include "loom/resolution.h"
 #include "loom/rules.h"
 
 namespace {
@@ -37,6 +37,7 @@ class AreaLight final : public Pass {
          .unit = "triangles",
          .cost = Cost::graph,
          .doc = "up to so many emissive triangles are integrated exactly (at least 4 rays each); more are sampled"});
+    resolution_.params(p);
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
@@ -53,6 +54,7 @@ class AreaLight final : public Pass {
                        Access::image_write);
     irradiance.attribute("channels", channels);
     irradiance.attribute("quantity", "irradiance");
+    resolution_.declare(ports, channels);
     sky_ = facts.sky;
     emitters_ = facts.emissive_triangles == 0 ? "none" : facts.emissive_triangles <= closed_form_ ? "few" : "many";
     defines_ = scene_defines(facts);
@@ -63,12 +65,10 @@ class AreaLight final : public Pass {
     defines.emplace_back("SKY", sky_ ? "1" : "0");
     defines.emplace_back("EMITTERS", "EMITTERS_" + emitters_);
     defines.emplace_back("TRACED", visibility_ == "ray" ? "1" : "0");
-    program_ = device.program({.files = {"area_light/area_light.comp"}, .defines = std::move(defines)});
+    resolution_.prepare(device, {.files = {"area_light/area_light.comp"}, .defines = std::move(defines)});
   }
 
-  void execute(Frame& frame, const Bindings& bindings) override {
-    frame.dispatch(*program_, bindings, {frame.size(), 1});
-  }
+  void execute(Frame& frame, const Bindings& bindings) override { resolution_.dispatch(frame, bindings); }
 
  private:
   int samples_ = 16;
@@ -77,7 +77,7 @@ class AreaLight final : public Pass {
   bool sky_ = false;
   std::string emitters_ = "none";
   std::vector<Define> defines_;
-  std::shared_ptr<const Program> program_;
+  Resolution resolution_;
 };
 
 }  // namespace

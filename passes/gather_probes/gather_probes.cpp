@@ -5,10 +5,10 @@
 // (or the sum over spherical Gaussians, shaders/lib/spherical_gaussians.glsl), over the eight probes around x, w_p =
 // trilinear · backface term · visibility by the moments of the distance that the probe sees (shaders/lib/probes.glsl
 // has the terms, and what is done where all weights vanish).
-#include <memory>
 #include <string>
 
 #include "loom/plugin.h"
+#include "loom/resolution.h"
 #include "loom/rules.h"
 
 namespace {
@@ -17,6 +17,8 @@ using namespace loom;
 
 class GatherProbes final : public Pass {
  public:
+  void params(Params& p) override { resolution_.params(p); }
+
   void reflect(Ports& ports, const SceneFacts& /*facts*/) override {
     auto surface = ports.in("surface", "Surface").reads("depth").reads("normal").reads("geometric_normal");
     auto field = ports.in("field", "ProbeField").reads("coefficients").reads("moments").reads("state");
@@ -28,24 +30,23 @@ class GatherProbes final : public Pass {
                        Access::image_write);
     irradiance.attribute("channels", channels);
     irradiance.attribute("quantity", "irradiance");
+    resolution_.declare(ports, channels);
     coefficients_ = field.attribute("coefficients", 9);
     gaussians_ = field.attribute("basis", "sh") == "sg";
   }
 
   void prepare(Device& device, const Bindings& /*bindings*/) override {
-    gather_ = device.program(
-        {.files = {"gather_probes/gather.comp"},
-         .defines = {{"COEFFICIENTS", std::to_string(coefficients_)}, {"GAUSSIANS", gaussians_ ? "1" : "0"}}});
+    resolution_.prepare(
+        device, {.files = {"gather_probes/gather.comp"},
+                 .defines = {{"COEFFICIENTS", std::to_string(coefficients_)}, {"GAUSSIANS", gaussians_ ? "1" : "0"}}});
   }
 
-  void execute(Frame& frame, const Bindings& bindings) override {
-    frame.dispatch(*gather_, bindings, {frame.size(), 1});
-  }
+  void execute(Frame& frame, const Bindings& bindings) override { resolution_.dispatch(frame, bindings); }
 
  private:
   int coefficients_ = 9;
   bool gaussians_ = false;
-  std::shared_ptr<const Program> gather_;
+  Resolution resolution_;
 };
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "loom/plugin.h"
+#include "loom/resolution.h"
 #include "loom/rules.h"
 
 namespace {
@@ -48,6 +49,7 @@ class GatherRSM final : public Pass {
             .max = 16,
             .unit = "disc radii",
             .doc = "bound on near texels: 1 = a disc of the texel's area, 0 = none"});
+    resolution_.params(p);
   }
 
   void reflect(Ports& ports, const SceneFacts&) override {
@@ -72,6 +74,7 @@ class GatherRSM final : public Pass {
       out->texture("irradiance", image, Access::image_write);
       out->attribute("quantity", "irradiance").attribute("channels", channels);
     }
+    resolution_.declare(ports, channels);
     if (const TextureDesc* flux = lights.texture("flux")) {
       map_ = {flux->width, flux->height, flux->depth};
     }
@@ -82,19 +85,27 @@ class GatherRSM final : public Pass {
 
   void prepare(Device& device, const Bindings& bindings) override {
     make_ = device.program({.files = {"gather_rsm/make.comp"}});
-    const auto flag = [&](std::string_view member) { return bindings.has(member) ? "1" : "0"; };
-    gather_ = device.program({.files = {"gather_rsm/gather.comp"},
-                              .defines = {{"METHOD", "METHOD_" + method_},
-                                          {"IRRADIANCE", flag("irradiance.irradiance")},
-                                          {"CLAMPED", flag("clamped.irradiance")},
-                                          {"MISSED", flag("missed.irradiance")}}});
+    const bool clamped = bindings.has("clamped.irradiance"), missed = bindings.has("missed.irradiance");
+    const Define method{"METHOD", "METHOD_" + method_};
+    gathers_ = bindings.has("irradiance.irradiance");
+    if (gathers_) resolution_.prepare(device, {.files = {"gather_rsm/gather.comp"}, .defines = {method}});
+    lost_ = nullptr;
+    if (clamped || missed)
+      lost_ = device.program({.files = {"gather_rsm/lost.comp"},
+                              .defines = {method, {"CLAMPED", clamped ? "1" : "0"}, {"MISSED", missed ? "1" : "0"}}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
     frame.dispatch(*make_, bindings, map_);
     frame.barrier();
-    gather_->set("map", map_);
-    frame.dispatch(*gather_, bindings, {frame.size(), 1});
+    const auto set_map = [&](const Program& program) { program.set("map", map_); };
+    if (gathers_) {
+      resolution_.each_program(set_map);
+      resolution_.dispatch(frame, bindings);
+    }
+    if (!lost_) return;
+    set_map(*lost_);
+    frame.dispatch(*lost_, bindings, {frame.size(), 1});
   }
 
  private:
@@ -103,7 +114,9 @@ class GatherRSM final : public Pass {
   float radius_ = 1;
   float min_distance_ = 1;
   glm::ivec3 map_{1};  // texels, texels, faces
-  std::shared_ptr<const Program> make_, gather_;
+  bool gathers_ = false;
+  Resolution resolution_;
+  std::shared_ptr<const Program> make_, lost_;
 };
 
 }  // namespace

@@ -6,9 +6,9 @@
 // Exact for isotropic light; light along an axis reads a third low. The volume is read half a cell off the surface, in
 // the finest cascade that holds the point, blended into the next over its border.
 #include "loom/plugin.h"
+#include "loom/resolution.h"
 #include "loom/rules.h"
 
-#include <memory>
 #include <string>
 
 namespace {
@@ -22,6 +22,7 @@ class GatherVolume final : public Pass {
              {.cost = Cost::shader, .doc = "two bands clamped at zero, or a form that never rings below it"});
     p.real("blend", blend_,
            {.min = 0, .max = 8, .unit = "cells", .doc = "border over which a cascade passes over into the next"});
+    resolution_.params(p);
   }
 
   void reflect(Ports& ports, const SceneFacts& /*facts*/) override {
@@ -33,23 +34,22 @@ class GatherVolume final : public Pass {
     irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels_),
                        Access::image_write);
     irradiance.attribute("channels", channels_);
+    resolution_.declare(ports, channels_);
   }
 
   void prepare(Device& device, const Bindings& /*bindings*/) override {
-    gather_ = device.program({.files = {"gather_volume/gather.comp"},
-                              .defines = {{"CHANNELS", std::to_string(channels_)},
-                                          {"NON_NEGATIVE", reconstruction_ == "non-negative" ? "1" : "0"}}});
+    resolution_.prepare(device, {.files = {"gather_volume/gather.comp"},
+                                 .defines = {{"CHANNELS", std::to_string(channels_)},
+                                             {"NON_NEGATIVE", reconstruction_ == "non-negative" ? "1" : "0"}}});
   }
 
-  void execute(Frame& frame, const Bindings& bindings) override {
-    frame.dispatch(*gather_, bindings, {frame.size(), 1});
-  }
+  void execute(Frame& frame, const Bindings& bindings) override { resolution_.dispatch(frame, bindings); }
 
  private:
   std::string reconstruction_ = "linear";
   float blend_ = 2;
   int channels_ = 3;
-  std::shared_ptr<const Program> gather_;
+  Resolution resolution_;
 };
 
 }  // namespace

@@ -28,6 +28,7 @@
 #include "loom/fingerprint.h"
 #include "loom/grid.h"
 #include "loom/plugin.h"
+#include "loom/resolution.h"
 #include "loom/rules.h"
 
 namespace {
@@ -59,6 +60,7 @@ class RayMarch final : public Pass {
         "emitter", emitter_,
         {.cost = Cost::graph,
          .doc = "count what comes straight from emissive surfaces and sky, too: for pipelines without AreaLight"});
+    resolution_.params(p);
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
@@ -83,11 +85,13 @@ class RayMarch final : public Pass {
       return volume.absent(why);
     }
     emission_ = emitter_ && voxels.texture("emission") != nullptr;
-    if (surface.absent())
+    if (surface.absent()) {
       irradiance.absent(surface.connected() ? surface.why_absent() : "no surface is wired");
-    else
+    } else {
       irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels_),
                          Access::image_write);
+      resolution_.declare(ports, channels_);
+    }
 
     probe_grid_ = fit_grid(rules::bounds(ports, facts), probes_);
     TextureDesc cells = cell_texture(probe_grid_, Format::rgba32f);
@@ -120,10 +124,12 @@ class RayMarch final : public Pass {
                                       {"SLEEPS", sleeps_ ? "1" : "0"},
                                       {"CHANNELS", std::to_string(channels_)}};
     const auto program = [&](const char* file) { return device.program({.files = {file}, .defines = defines}); };
-    pixels_ = base_ = reduce_ = draw_ = wake_ = volume_ = nullptr;
-    if (bindings.has("irradiance.irradiance")) {
+    base_ = reduce_ = draw_ = wake_ = volume_ = nullptr;
+    pixels_ = bindings.has("irradiance.irradiance");
+    if (pixels_) {
       const bool cones = method_ == "cones";
-      pixels_ = program(cones ? "ray_march/cones.comp" : "ray_march/march.comp");
+      resolution_.prepare(device,
+                          {.files = {cones ? "ray_march/cones.comp" : "ray_march/march.comp"}, .defines = defines});
       if (cones) {
         base_ = program("ray_march/pyramid_base.comp");
         reduce_ = program("ray_march/pyramid_reduce.comp");
@@ -140,7 +146,7 @@ class RayMarch final : public Pass {
 
   void execute(Frame& frame, const Bindings& bindings) override {
     if (base_) build_levels(frame, bindings);
-    if (pixels_) frame.dispatch(*pixels_, bindings, {frame.size(), 1});
+    if (pixels_) resolution_.dispatch(frame, bindings);
     if (!volume_) return;
     bindings.publish("volume", probe_grid_);
     if (wake_) wake(frame, bindings);
@@ -203,17 +209,18 @@ class RayMarch final : public Pass {
       frame.dispatch(*draw_, bindings, {static_cast<int>(targets), 1, 1});
       frame.barrier();
     } else {
-      pixels_->set("levels", levels_);
+      resolution_.each_program([&](const Program& program) { program.set("levels", levels_); });
     }
   }
 
   std::string method_ = "rays";
   int rays_ = 64, aimed_ = 0, cones_ = 32, probes_ = 8, channels_ = 3;
   int levels_ = 1, slabs_ = 1;  // of the pyramid
-  bool emitter_ = false, emission_ = false, has_light_ = false, sleeps_ = false;
+  bool emitter_ = false, emission_ = false, has_light_ = false, pixels_ = false, sleeps_ = false;
   std::optional<std::uint64_t> marched_;  ///< what the rays of cells that are awake depend on
   interop::Grid probe_grid_{};
-  std::shared_ptr<const Program> pixels_, base_, reduce_, draw_, wake_, volume_;
+  Resolution resolution_;
+  std::shared_ptr<const Program> base_, reduce_, draw_, wake_, volume_;
 };
 
 }  // namespace

@@ -2,34 +2,30 @@
 #include "interop/frame.h"
 #include "lib/area_light.glsl"
 #include "lib/camera.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
 layout(std140) uniform frame_data { FrameData frame; };
 layout(std140) uniform surface_data { Camera camera; };
 uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
 uniform int samples;
-writeonly uniform image2D irradiance_irradiance;
 
-void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, imageSize(irradiance_irradiance)))) return;
+vec3 irradiance_at(ivec2 pixel) {
   float depth = texelFetch(surface_depth, pixel, 0).r;
   vec3 irradiance = vec3(0);
-  if (depth > 0.) {
-    Receiver r;
-    r.x = surface_position(camera, pixel_uv(camera, pixel), depth);
-    r.n = normalize(texelFetch(surface_normal, pixel, 0).xyz);
-    r.n_g = normalize(texelFetch(surface_geometric_normal, pixel, 0).xyz);
-    r.depth = depth;
-    r.seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x61726561u);
-    r.sequence = frame.random.z;
+  Receiver r;
+  r.x = surface_position(camera, pixel_uv(camera, pixel), depth);
+  r.n = normalize(texelFetch(surface_normal, pixel, 0).xyz);
+  r.n_g = normalize(texelFetch(surface_geometric_normal, pixel, 0).xyz);
+  r.depth = depth;
+  r.seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x61726561u);
+  r.sequence = frame.random.z;
 #if EMITTERS != EMITTERS_none
-    irradiance += emitter_irradiance(r, samples, 4);
+  irradiance += emitter_irradiance(r, samples, 4);
 #endif
 #if SKY
-    irradiance += sky_irradiance(r, frame.sky.rgb, samples);
+  irradiance += sky_irradiance(r, frame.sky.rgb, samples);
 #endif
-  }
-  imageStore(irradiance_irradiance, pixel, vec4(irradiance, 1));
+  return irradiance;
 }
+
+#include "lib/resolution.glsl"

@@ -3,7 +3,6 @@
 #include "lib/camera.glsl"
 #include "lib/grid.glsl"
 #include "lib/sh.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(std140) uniform surface_data { Camera camera; };
 layout(std140) uniform volume_data { Grid grid; };
@@ -14,7 +13,6 @@ uniform sampler3D volume_red;
 uniform sampler3D volume_green;
 uniform sampler3D volume_blue;
 #endif
-writeonly uniform image2D irradiance_irradiance;
 uniform float blend;
 
 // Irradiance on a surface that faces −axis, from light that travels with radiance coefficients c.
@@ -53,23 +51,20 @@ vec3 from_cascade(int k, vec3 position, vec3 n, out float share) {
   return 2.0 / (3.0 * s * s) * e;
 }
 
-void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, imageSize(irradiance_irradiance)))) return;
-  float depth = texelFetch(surface_depth, pixel, 0).r;
-  vec3 e = vec3(0);
-  if (depth > 0.0) {
-    vec3 n = normalize(texelFetch(surface_normal, pixel, 0).xyz);
-    vec3 position = surface_position(camera, (vec2(pixel) + 0.5) * camera.size.zw, depth);
-    float left = 1.0;  // share that finer cascades have not answered for
-    int cascades = clamp(grid.cells.w, 1, LOOM_MAX_CASCADES);
-    for (int k = 0; k < cascades && left > 0.0; ++k) {
-      float share;
-      vec3 of_this = from_cascade(k, position, n, share);
-      if (k == cascades - 1) share = 1.0;  // the coarsest answers for the rest
-      e += left * share * of_this;
-      left *= 1.0 - share;
-    }
+vec3 irradiance_at(ivec2 pixel) {
+  vec3 n = normalize(texelFetch(surface_normal, pixel, 0).xyz), e = vec3(0);
+  vec3 position =
+      surface_position(camera, (vec2(pixel) + 0.5) * camera.size.zw, texelFetch(surface_depth, pixel, 0).r);
+  float left = 1.0;  // share that finer cascades have not answered for
+  int cascades = clamp(grid.cells.w, 1, LOOM_MAX_CASCADES);
+  for (int k = 0; k < cascades && left > 0.0; ++k) {
+    float share;
+    vec3 of_this = from_cascade(k, position, n, share);
+    if (k == cascades - 1) share = 1.0;  // the coarsest answers for the rest
+    e += left * share * of_this;
+    left *= 1.0 - share;
   }
-  imageStore(irradiance_irradiance, pixel, vec4(e, 1.0));
+  return e;
 }
+
+#include "lib/resolution.glsl"

@@ -7,7 +7,6 @@
 #include "lib/grid.glsl"
 #include "lib/math.glsl"
 #include "ray_march/pyramid.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(std140) uniform frame_data { FrameData frame; };
 layout(std140) uniform surface_data { Camera camera; };
@@ -16,7 +15,6 @@ uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
 uniform sampler3D scratch_pyramid;
-writeonly uniform image2D irradiance_irradiance;
 uniform int levels;
 uniform int cones;
 
@@ -57,28 +55,23 @@ vec4 cone(vec3 origin, vec3 normal, vec3 direction, float aperture) {
   return sum;
 }
 
-void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, imageSize(irradiance_irradiance)))) return;
-  float depth = texelFetch(surface_depth, pixel, 0).r;
-  vec3 irradiance = vec3(0);
-  if (depth > 0.) {
-    vec3 x = surface_position(camera, pixel_uv(camera, pixel), depth);
-    mat3 basis = orthonormal_basis(normalize(texelFetch(surface_normal, pixel, 0).xyz));
-    vec3 n_g = normalize(texelFetch(surface_geometric_normal, pixel, 0).xyz);
-    vec3 origin = grid_coordinates(grid, 0, x);
-    float cosine = 1. - 1. / float(cones);  // of the half-angle of a cone of 2π/N
-    float aperture = 2. * sqrt(1. - cosine * cosine) / max(cosine, .1);
-    for (int i = 0; i < cones; ++i) {
-      float square = (float(i) + .5) / float(cones), angle = 2.3999632 * float(i);  // the golden angle
-      vec3 local = vec3(sqrt(square) * vec2(cos(angle), sin(angle)), sqrt(1. - square));
-      vec4 met = cone(origin, n_g, basis * local, aperture);
-      irradiance += met.rgb;
+vec3 irradiance_at(ivec2 pixel) {
+  vec3 x = surface_position(camera, pixel_uv(camera, pixel), texelFetch(surface_depth, pixel, 0).r);
+  mat3 basis = orthonormal_basis(normalize(texelFetch(surface_normal, pixel, 0).xyz));
+  vec3 n_g = normalize(texelFetch(surface_geometric_normal, pixel, 0).xyz);
+  vec3 origin = grid_coordinates(grid, 0, x), irradiance = vec3(0);
+  float cosine = 1. - 1. / float(cones);  // of the half-angle of a cone of 2π/N
+  float aperture = 2. * sqrt(1. - cosine * cosine) / max(cosine, .1);
+  for (int i = 0; i < cones; ++i) {
+    float square = (float(i) + .5) / float(cones), angle = 2.3999632 * float(i);  // the golden angle
+    vec3 local = vec3(sqrt(square) * vec2(cos(angle), sin(angle)), sqrt(1. - square));
+    vec4 met = cone(origin, n_g, basis * local, aperture);
+    irradiance += met.rgb;
 #if EMITTER
-      irradiance += max(0., 1. - met.a) * frame.sky.rgb;
+    irradiance += max(0., 1. - met.a) * frame.sky.rgb;
 #endif
-    }
-    irradiance *= pi / float(cones);
   }
-  imageStore(irradiance_irradiance, pixel, vec4(irradiance, 1));
+  return irradiance * (pi / float(cones));
 }
+
+#include "lib/resolution.glsl"

@@ -15,14 +15,12 @@ vec3 light_of_crossing(ivec3 cell, int slab, float coverage, float t, float faci
 #if AIMED
 #include "ray_march/aim.glsl"
 #endif
-layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(std140) uniform frame_data { FrameData frame; };
 layout(std140) uniform surface_data { Camera camera; };
 uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
-writeonly uniform image2D irradiance_irradiance;
 
 struct Point {
   vec3 position, normal, geometric_normal;
@@ -69,21 +67,18 @@ vec3 aim(Point x) {
 }
 #endif
 
-void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, imageSize(irradiance_irradiance)))) return;
-  float depth = texelFetch(surface_depth, pixel, 0).r;
+vec3 irradiance_at(ivec2 pixel) {
+  Point x;
+  x.position = surface_position(camera, pixel_uv(camera, pixel), texelFetch(surface_depth, pixel, 0).r);
+  x.normal = normalize(texelFetch(surface_normal, pixel, 0).xyz);
+  x.geometric_normal = normalize(texelFetch(surface_geometric_normal, pixel, 0).xyz);
+  x.seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x6d617263u);
   vec3 sum = vec3(0);
-  if (depth > 0.) {
-    Point x;
-    x.position = surface_position(camera, pixel_uv(camera, pixel), depth);
-    x.normal = normalize(texelFetch(surface_normal, pixel, 0).xyz);
-    x.geometric_normal = normalize(texelFetch(surface_geometric_normal, pixel, 0).xyz);
-    x.seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x6d617263u);
 #if AIMED
-    if (total_power > 0.) sum += aim(x);
+  if (total_power > 0.) sum += aim(x);
 #endif
-    sum += gather(x);
-  }
-  imageStore(irradiance_irradiance, pixel, vec4(sum * (pi / float(rays)), 1));
+  sum += gather(x);
+  return sum * (pi / float(rays));
 }
+
+#include "lib/resolution.glsl"
