@@ -29,9 +29,9 @@ class AmbientOcclusion final : public Pass {
     p.colour("ambient", ambient_,
              {.min = 0, .max = 1e9, .unit = "W/(m² sr)", .doc = "L_ambient where no field is wired"});
     p.integer("slices", slices_,
-              {.min = 1, .max = 64, .scale = Scale::log, .doc = "image lines walked a pixel, with 32 rays each"});
+              {.min = 1, .max = 32, .scale = Scale::log, .doc = "image lines walked a pixel, with 32 rays each"});
     p.integer("steps", steps_,
-              {.min = 2, .max = 1024, .scale = Scale::log, .doc = "texels read on each half of a line"});
+              {.min = 2, .max = 512, .scale = Scale::log, .doc = "texels read on each half of a line"});
     p.real("radius", radius_,
            {.min = 1e-4, .max = 1e6, .unit = "m", .scale = Scale::log, .doc = "what stands nearer occludes"});
     p.real("thickness", thickness_,

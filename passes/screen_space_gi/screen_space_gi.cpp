@@ -32,10 +32,10 @@ class ScreenSpaceGI final : public Pass {
  public:
   void params(Params& p) override {
     p.integer("slices", slices_,
-              {.min = 1, .max = 64, .scale = Scale::log, .doc = "image lines walked a pixel, with 32 rays each"});
+              {.min = 1, .max = 32, .scale = Scale::log, .doc = "image lines walked a pixel, with 32 rays each"});
     p.integer("steps", steps_,
               {.min = 2,
-               .max = 1024,
+               .max = 512,
                .scale = Scale::log,
                .doc = "texels read on each half of a line; every one that it crosses where these suffice, else denser "
                       "near the pixel"});

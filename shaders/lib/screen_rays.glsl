@@ -24,6 +24,7 @@
 uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform sampler2D surface_geometric_normal;
+// slices × 2 × steps stay below 65535, the rounds of loops after which llvmpipe ends a shader.
 uniform int slices;
 uniform int steps;
 uniform float radius;     // metres

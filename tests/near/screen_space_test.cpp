@@ -184,7 +184,7 @@ TEST_F(ScreenSpace, WhatIsThinLetsRaysPassBehind) {
   constexpr int size = 64;
   for (const double thickness : {.1, .5}) {
     const Texels shares =
-        bench.image(near_pipeline(R"("slices": 64, "steps": 64, "thickness": )" + std::to_string(thickness)), "unknown",
+        bench.image(near_pipeline(R"("slices": 32, "steps": 64, "thickness": )" + std::to_string(thickness)), "unknown",
                     {.size = {size, size}, .requested = {"unknown"}});
     double hidden = 0;
     for (int y = 30; y < 34; ++y) hidden += shares.at(size / 2, y).y / 4;
@@ -204,7 +204,7 @@ TEST_F(ScreenSpace, RaysThatLeaveTheImageAreCounted) {
   bench.look_down(1);
   for (const double r : {1.5, 3.}) {
     const Texels shares =
-        bench.image(near_pipeline(R"("slices": 64, "radius": )" + std::to_string(r)), "unknown", {.size = {33, 33}});
+        bench.image(near_pipeline(R"("slices": 32, "radius": )" + std::to_string(r)), "unknown", {.size = {33, 33}});
     EXPECT_NEAR(shares.at(16, 16).x, 1 - 4 / (pi * r * r), .02) << r;
     EXPECT_NEAR(shares.at(16, 16).z, 4 / (pi * r * r), .02) << r;
   }
