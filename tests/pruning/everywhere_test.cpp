@@ -114,6 +114,8 @@ class Everywhere : public GlTest {
                                                                                    {"rsm", "shadow_size", "128"},
                                                                                    {"voxelize", "grid", "10"},
                                                                                    {"vpls", "paths", "64"},
+                                                                                   {"transfer", "points", "3"},
+                                                                                   {"transfer", "paths", "64"},
                                                                                    {"field", "probes", "3"}}) {
       options.set.push_back({pass, param, value});
     }
