@@ -195,7 +195,8 @@ class Transfer : public Pass {
   [[nodiscard]] int point_count() const { return grid_.counts.x * grid_.counts.y * grid_.counts.z; }
   /// vec4s of a point (shaders/prt/lattice.glsl).
   [[nodiscard]] std::size_t stride() const {
-    return static_cast<std::size_t>(coefficients_ * coefficients_ + moments_ * moments_ + 1);
+    const auto coefficients = static_cast<std::size_t>(coefficients_), moments = static_cast<std::size_t>(moments_);
+    return coefficients * coefficients + moments * moments + 1;
   }
   [[nodiscard]] int batch() const {
     const auto points = static_cast<int>(batch_bytes / (static_cast<std::size_t>(paths_) * path_bytes));
