@@ -30,7 +30,7 @@ class Radiosity final : public Pass {
          .cost = Cost::graph,
          .doc = "orders of reflection; 1 = what straight light alone makes. With `last`: the orders that one frame "
                 "adds, and one"});
-    p.integer("rays", rays_, {.min = 1, .max = 1024, .scale = Scale::log, .doc = "rays a side of a sheet and order"});
+    p.integer("rays", rays_, {.min = 1, .max = 512, .scale = Scale::log, .doc = "rays a side of a sheet and order"});
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
@@ -71,7 +71,6 @@ class Radiosity final : public Pass {
   void execute(Frame& frame, const Bindings& bindings) override {
     const auto grid = bindings.data<interop::Grid>("voxels");
     bindings.publish("light", grid);
-    const glm::ivec3 sheets(grid.cells.x, grid.cells.y, 3 * grid.cells.z);
     const glm::ivec3 sides(grid.cells.x, grid.cells.y, 6 * grid.cells.z);
     const bool resume = copy_last_ && bindings.history_valid("last");
     frame.dispatch(resume ? *copy_last_ : *copy_first_, bindings, sides);
@@ -81,7 +80,7 @@ class Radiosity final : public Pass {
       gather_->set("order", order);
       // Where orders add up over frames, each frame has rays of its own.
       gather_->set("frame_seed", feedback_ ? static_cast<unsigned int>(frame.info().index) : 0U);
-      frame.dispatch(*gather_, bindings, sheets);
+      frame.dispatch(*gather_, bindings, sides);
       frame.barrier();
       if (order < orders_) frame.dispatch(*copy_order_, bindings, sides);
       frame.barrier();

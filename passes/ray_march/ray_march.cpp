@@ -29,6 +29,7 @@
 #include "loom/grid.h"
 #include "loom/plugin.h"
 #include "loom/resolution.h"
+#include "loom/rounds.h"
 #include "loom/rules.h"
 
 namespace {
@@ -98,9 +99,10 @@ class RayMarch final : public Pass {
     cells.filter = Filter::linear;
     static constexpr std::array<const char*, 3> names{"red", "green", "blue"};
     for (const char* channel : std::span(names).first(static_cast<std::size_t>(channels_)))
-      volume.texture(channel, cells, Access::image_write);
+      volume.texture(channel, cells, Access::image_read_write);
 
     if (const TextureDesc* coverage = voxels.texture("coverage")) {
+      most_crossings_ = coverage->width + coverage->height + coverage->depth;
       if (method_ == "cones") {
         scratch_levels(ports, "pyramid", *coverage, Format::rgba16f, 6);
       } else if (aimed_ > 0) {
@@ -150,7 +152,12 @@ class RayMarch final : public Pass {
     if (!volume_) return;
     bindings.publish("volume", probe_grid_);
     if (wake_) wake(frame, bindings);
-    frame.dispatch(*volume_, bindings, glm::ivec3(probe_grid_.cells));
+    const int at_once = steps_at_once(rays_, most_crossings_);
+    for (int first = 0; first < rays_; first += at_once) {
+      volume_->set("part", glm::ivec2(first, std::min(first + at_once, rays_)));
+      frame.dispatch(*volume_, bindings, glm::ivec3(probe_grid_.cells));
+      frame.barrier();
+    }
   }
 
   /// Geometry and lights come in over the wires; the rays depend on the seed alone.
@@ -216,6 +223,7 @@ class RayMarch final : public Pass {
   std::string method_ = "rays";
   int rays_ = 64, aimed_ = 0, cones_ = 32, probes_ = 8, channels_ = 3;
   int levels_ = 1, slabs_ = 1;  // of the pyramid
+  int most_crossings_ = 1;      // cells that a ray can cross
   bool emitter_ = false, emission_ = false, has_light_ = false, pixels_ = false, sleeps_ = false;
   std::optional<std::uint64_t> marched_;  ///< what the rays of cells that are awake depend on
   interop::Grid probe_grid_{};

@@ -63,7 +63,7 @@ class Voxelize final : public Pass {
               .doc = "of albedo, emission and radiance; a scene without colour takes `luminance` by itself"});
     p.integer("rays", rays_,
               {.min = 1,
-               .max = 1024,
+               .max = 256,
                .scale = Scale::log,
                .doc = "rays a side of a sheet to emissive triangles, and again to the sky"});
   }
@@ -136,7 +136,7 @@ class Voxelize final : public Pass {
     const glm::ivec3 cells(grid_block_.cells);
     frame.dispatch(*resolve_, bindings, cells);
     frame.barrier();
-    if (light_) frame.dispatch(*light_, bindings, {cells.x, cells.y, 3 * cells.z});
+    if (light_) frame.dispatch(*light_, bindings, {cells.x, cells.y, 6 * cells.z});
   }
 
   [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {

@@ -14,23 +14,22 @@ uniform int rays;
 uniform int order;
 uniform uint frame_seed;
 
+// One side of a sheet a thread.
 void main() {
   ivec3 id = ivec3(gl_GlobalInvocationID);
-  if (any(greaterThanEqual(id, grid.cells.xyz * ivec3(1, 1, 3)))) return;
-  int axis = id.z / grid.cells.z;
-  ivec3 cell = ivec3(id.xy, id.z - axis * grid.cells.z);
-  for (int side = 0; side < 2; ++side) {
-    SheetSide s;
-    vec3 radiance = vec3(0);
-    if (sheet_side(cell, axis, side, s) && s.albedo != vec3(0)) {
-      uint seed = hash(uvec4(uvec3(s.texel), frame.random.x ^ uint(order) * 0x9e3779b9u ^ frame_seed * 0x85ebca6bu)).x;
-      vec3 sum = vec3(0);
-      for (int k = 0; k < rays; ++k) {
-        vec3 w = cosine_hemisphere(low_discrepancy(uint(k), seed), s.normal);
-        sum += march(s.position, w, s.normal, 1e30).radiance;
-      }
-      radiance = texelFetch(voxels_radiance, s.texel, 0).rgb + s.albedo * sum / float(rays);
+  if (any(greaterThanEqual(id, grid.cells.xyz * ivec3(1, 1, 6)))) return;
+  int slab = id.z / grid.cells.z;
+  ivec3 cell = ivec3(id.xy, id.z - slab * grid.cells.z);
+  SheetSide s;
+  vec3 radiance = vec3(0);
+  if (sheet_side(cell, slab >> 1, slab & 1, s) && s.albedo != vec3(0)) {
+    uint seed = hash(uvec4(uvec3(s.texel), frame.random.x ^ uint(order) * 0x9e3779b9u ^ frame_seed * 0x85ebca6bu)).x;
+    vec3 sum = vec3(0);
+    for (int k = 0; k < rays; ++k) {
+      vec3 w = cosine_hemisphere(low_discrepancy(uint(k), seed), s.normal);
+      sum += march(s.position, w, s.normal, 1e30).radiance;
     }
-    imageStore(TARGET, s.texel, vec4(radiance, 1));
+    radiance = texelFetch(voxels_radiance, s.texel, 0).rgb + s.albedo * sum / float(rays);
   }
+  imageStore(TARGET, s.texel, vec4(radiance, 1));
 }

@@ -13,18 +13,20 @@ layout(local_size_x = 4, local_size_y = 4, local_size_z = 2) in;
 
 layout(std140) uniform frame_data { FrameData frame; };
 layout(std140) uniform volume_data { Grid probes; };
-layout(rgba32f) uniform writeonly image3D volume_red;
+layout(rgba32f) uniform image3D volume_red;
 #if CHANNELS > 1
-layout(rgba32f) uniform writeonly image3D volume_green;
-layout(rgba32f) uniform writeonly image3D volume_blue;
+layout(rgba32f) uniform image3D volume_green;
+layout(rgba32f) uniform image3D volume_blue;
 #endif
 uniform int rays;
+uniform ivec2 part;  // of the rays: the first, and the one after the last
 
 void store(ivec3 cell, vec4 red, vec4 green, vec4 blue) {
-  imageStore(volume_red, cell, red);
+  bool first = part.x == 0;
+  imageStore(volume_red, cell, first ? red : imageLoad(volume_red, cell) + red);
 #if CHANNELS > 1
-  imageStore(volume_green, cell, green);
-  imageStore(volume_blue, cell, blue);
+  imageStore(volume_green, cell, first ? green : imageLoad(volume_green, cell) + green);
+  imageStore(volume_blue, cell, first ? blue : imageLoad(volume_blue, cell) + blue);
 #endif
 }
 
@@ -38,13 +40,13 @@ void main() {
     store(cell, vec4(0), vec4(0), vec4(0));
     return;
   }
-  imageStore(persistent_cells, cell, uvec4(marched));
+  if (part.y >= rays) imageStore(persistent_cells, cell, uvec4(marched));
 #endif
   float size = probes.cascade[0].w;
   vec3 centre = probes.cascade[0].xyz + (vec3(cell) + .5) * size;
   uint seed = hash(uvec4(uvec3(cell), frame.random.x)).x;
   vec4 red = vec4(0), green = vec4(0), blue = vec4(0);
-  for (int k = 0; k < rays; ++k) {
+  for (int k = part.x; k < part.y; ++k) {
     vec3 w = uniform_sphere(low_discrepancy(uint(k), seed));
     March ray = march(centre, w, vec3(0), 1e30);
     vec3 radiance = ray.radiance;

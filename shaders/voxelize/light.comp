@@ -1,5 +1,5 @@
 // Light that every side of every sheet reflects after it came straight from lights, emitters and sky:
-// L = ρ/π·(E_direct + E_emitter). One sheet a thread.
+// L = ρ/π·(E_direct + E_emitter). One side of a sheet a thread.
 #include "interop/frame.h"
 #include "voxelize/channels.glsl"
 layout(LIGHT_FORMAT) uniform image3D voxels_radiance;  // the albedo at first
@@ -82,26 +82,24 @@ vec3 from_sky(SheetSide s, uint seed) {
 
 void main() {
   ivec3 id = ivec3(gl_GlobalInvocationID);
-  if (any(greaterThanEqual(id, grid.cells.xyz * ivec3(1, 1, 3)))) return;
-  int axis = id.z / grid.cells.z;
-  ivec3 cell = ivec3(id.xy, id.z - axis * grid.cells.z);
-  for (int side = 0; side < 2; ++side) {
-    SheetSide s;
-    vec3 radiance = vec3(0);
-    if (sheet_side(cell, axis, side, s) && s.albedo != vec3(0)) {
-      uint seed = hash(uvec4(uvec3(s.texel), frame.random.x)).x;
-      vec3 irradiance = vec3(0);
+  if (any(greaterThanEqual(id, grid.cells.xyz * ivec3(1, 1, 6)))) return;
+  int slab = id.z / grid.cells.z;
+  ivec3 cell = ivec3(id.xy, id.z - slab * grid.cells.z);
+  SheetSide s;
+  vec3 radiance = vec3(0);
+  if (sheet_side(cell, slab >> 1, slab & 1, s) && s.albedo != vec3(0)) {
+    uint seed = hash(uvec4(uvec3(s.texel), frame.random.x)).x;
+    vec3 irradiance = vec3(0);
 #if PUNCTUAL
-      irradiance += from_lights(s);
+    irradiance += from_lights(s);
 #endif
 #if EMITTERS
-      irradiance += from_emitters(s, seed);
+    irradiance += from_emitters(s, seed);
 #endif
 #if SKY
-      irradiance += from_sky(s, seed);
+    irradiance += from_sky(s, seed);
 #endif
-      radiance = s.albedo * irradiance * inverse_pi;
-    }
-    imageStore(voxels_radiance, s.texel, in_channels(radiance, 1.));
+    radiance = s.albedo * irradiance * inverse_pi;
   }
+  imageStore(voxels_radiance, s.texel, in_channels(radiance, 1.));
 }

@@ -116,6 +116,31 @@ TEST_F(CheapEndsTest, VolumeOfProbesInAFurnace) {
   }
 }
 
+// 4096 rays of some 30 crossings each are more rounds than llvmpipe gives one invocation: they take several dispatches.
+TEST_F(CheapEndsTest, AsManyRaysAsTheParameterAllows) {
+  Bench bench(*device_, furnace(.5F));
+  bench.look({0, 0, 0}, {-1, .05, .05}, .3);
+  const auto irradiance = [&](const char* rays) {
+    return bench
+        .image(furnace_pipeline(R"(
+    "march": { "type": "RayMarch", "in": { "voxels": "voxelize.voxels", "light": "radiosity.light" },
+               "params": { "probes": 3 } },
+    "bounce": { "type": "GatherVolume", "in": { "surface": "gbuffer.surface", "volume": "march.volume" } } },
+  "outputs": { "image": "bounce.irradiance" })"),
+               "image",
+               {.size = {8, 8},
+                .set = {{"voxelize", "grid", "48"},
+                        {"voxelize", "rays", "4"},
+                        {"radiosity", "rays", "4"},
+                        {"radiosity", "bounces", "1"},
+                        {"march", "rays", rays}}})
+        .mean()
+        .x;
+  };
+  const double some = irradiance("512"), all = irradiance("4096");
+  EXPECT_NEAR(all, some, .02 * some);
+}
+
 // Probes that look up the voxels' light: the same furnace, all orders at once.
 TEST_F(CheapEndsTest, ProbesLitByVoxelsInAFurnace) {
   const float albedo = .5F;
