@@ -15,6 +15,7 @@
 
 #include "loom/plugin.h"
 #include "loom/resolution.h"
+#include "loom/rounds.h"
 #include "loom/rules.h"
 
 namespace {
@@ -28,8 +29,9 @@ class AreaLight final : public Pass {
               {.min = 1,
                .max = 4096,
                .scale = Scale::log,
+               .cost = Cost::graph,
                .doc = "visibility rays a pixel for all emissive triangles together, and again for the sky"});
-    p.choice("visibility", visibility_, {"ray", "none"}, {.cost = Cost::shader, .doc = "whether anything blocks"});
+    p.choice("visibility", visibility_, {"ray", "none"}, {.cost = Cost::graph, .doc = "whether anything blocks"});
     p.integer(
         "closed_form", closed_form_,
         {.min = 0,
@@ -54,7 +56,8 @@ class AreaLight final : public Pass {
                        Access::image_write);
     irradiance.attribute("channels", channels);
     irradiance.attribute("quantity", "irradiance");
-    resolution_.declare(ports, channels);
+    const int kinds = (facts.emissive_triangles > 0 ? 1 : 0) + (facts.sky ? 1 : 0);
+    resolution_.declare(ports, channels, visibility_ == "ray" ? parts_of(kinds * samples_, rounds_of_traced_ray) : 1);
     sky_ = facts.sky;
     emitters_ = facts.emissive_triangles == 0 ? "none" : facts.emissive_triangles <= closed_form_ ? "few" : "many";
     defines_ = scene_defines(facts);

@@ -22,6 +22,7 @@
 
 #include "loom/plugin.h"
 #include "loom/resolution.h"
+#include "loom/rounds.h"
 #include "loom/rules.h"
 
 namespace {
@@ -36,7 +37,11 @@ class GatherRSM final : public Pass {
   void params(Params& p) override {
     p.choice("method", method_, {"importance", "full"}, {.cost = Cost::graph, .doc = "which texels are gathered"});
     p.integer("samples", samples_,
-              {.min = 1, .max = 65536, .scale = Scale::log, .doc = "importance: texels gathered from each light"});
+              {.min = 1,
+               .max = 65536,
+               .scale = Scale::log,
+               .cost = Cost::graph,
+               .doc = "importance: texels gathered from each light"});
     p.real("radius", radius_,
            {.min = .01,
             .max = 2,
@@ -52,7 +57,7 @@ class GatherRSM final : public Pass {
     resolution_.params(p);
   }
 
-  void reflect(Ports& ports, const SceneFacts&) override {
+  void reflect(Ports& ports, const SceneFacts& facts) override {
     auto surface = ports.in("surface", "Surface").reads("depth").reads("normal");
     auto lights = ports.in("lights", "LightLayers").reads("flux").reads("normal").reads("depth");
     lights.reads("faces", Access::storage_read);
@@ -74,10 +79,12 @@ class GatherRSM final : public Pass {
       out->texture("irradiance", image, Access::image_write);
       out->attribute("quantity", "irradiance").attribute("channels", channels);
     }
-    resolution_.declare(ports, channels);
     if (const TextureDesc* flux = lights.texture("flux")) {
       map_ = {flux->width, flux->height, flux->depth};
     }
+    resolution_.declare(
+        ports, channels,
+        method_ == "full" ? parts_of(map_.y * map_.z, map_.x) : parts_of(samples_, facts.lights()));
     const auto texels =
         static_cast<std::size_t>(map_.x) * static_cast<std::size_t>(map_.y) * static_cast<std::size_t>(map_.z);
     ports.scratch("virtual_lights", BufferDesc{texels * virtual_light_bytes});
@@ -91,8 +98,9 @@ class GatherRSM final : public Pass {
     if (gathers_) resolution_.prepare(device, {.files = {"gather_rsm/gather.comp"}, .defines = {method}});
     lost_ = nullptr;
     if (clamped || missed)
-      lost_ = device.program({.files = {"gather_rsm/lost.comp"},
-                              .defines = {method, {"CLAMPED", clamped ? "1" : "0"}, {"MISSED", missed ? "1" : "0"}}});
+      lost_ = device.program(
+          {.files = {"gather_rsm/lost.comp"},
+           .defines = {method, {"PARTS", "0"}, {"CLAMPED", clamped ? "1" : "0"}, {"MISSED", missed ? "1" : "0"}}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {

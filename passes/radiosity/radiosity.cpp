@@ -7,6 +7,7 @@
 // wired back (`last`, a history wire) a frame goes on from there, and the orders add up over frames: each frame's gain
 // is the mean albedo, below 1, so that it converges.
 #include "loom/plugin.h"
+#include "loom/rounds.h"
 #include "loom/rules.h"
 
 #include <algorithm>
@@ -30,7 +31,7 @@ class Radiosity final : public Pass {
          .cost = Cost::graph,
          .doc = "orders of reflection; 1 = what straight light alone makes. With `last`: the orders that one frame "
                 "adds, and one"});
-    p.integer("rays", rays_, {.min = 1, .max = 512, .scale = Scale::log, .doc = "rays a side of a sheet and order"});
+    p.integer("rays", rays_, {.min = 1, .max = 1024, .scale = Scale::log, .doc = "rays a side of a sheet and order"});
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
@@ -41,8 +42,9 @@ class Radiosity final : public Pass {
     const TextureDesc* radiance = voxels.texture("radiance");
     if (voxels.absent()) return light.absent(voxels.why_absent());
     if (radiance == nullptr) return light.absent("the voxels carry no radiance");
-    light.attribute("channels", voxels.attribute("channels", 3));
-    light.texture("radiance", *radiance, Access::image_write).needed("radiance");
+    grey_ = voxels.attribute("channels", 3) == 1;
+    light.attribute("channels", grey_ ? 1 : 3);
+    light.texture("radiance", *radiance, Access::image_read_write).needed("radiance");
     ports.scratch("radiance", *radiance, Access::image_write);
     feedback_ = last.connected();
     orders_ = bounces_;
@@ -65,7 +67,13 @@ class Radiosity final : public Pass {
     copy_last_ = feedback_ ? program("radiosity/copy.comp", "last_radiance", "scratch_radiance") : nullptr;
     copy_order_ = orders_ > 2 ? program("radiosity/copy.comp", "light_radiance", "scratch_radiance") : nullptr;
     copy_through_ = orders_ == 1 ? program("radiosity/copy.comp", "scratch_radiance", "light_radiance") : nullptr;
-    gather_ = orders_ > 1 ? program("radiosity/gather.comp", "scratch_radiance", "light_radiance") : nullptr;
+    gather_ = nullptr;
+    if (orders_ > 1)
+      gather_ = device.program({.files = {"radiosity/gather.comp"},
+                                .defines = {{"SOURCE", "scratch_radiance"},
+                                            {"TARGET", "light_radiance"},
+                                            {"FORMAT", grey_ ? "r32f" : "rgba32f"},
+                                            {"CHANNELS(texel)", grey_ ? "texel.rrr" : "texel.rgb"}}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -80,8 +88,12 @@ class Radiosity final : public Pass {
       gather_->set("order", order);
       // Where orders add up over frames, each frame has rays of its own.
       gather_->set("frame_seed", feedback_ ? static_cast<unsigned int>(frame.info().index) : 0U);
-      frame.dispatch(*gather_, bindings, sides);
-      frame.barrier();
+      const int at_once = steps_at_once(rays_, rounds_of_marched_ray(grid.cells.x + grid.cells.y + grid.cells.z));
+      for (int first = 0; first < rays_; first += at_once) {
+        gather_->set("part", glm::ivec2(first, std::min(first + at_once, rays_)));
+        frame.dispatch(*gather_, bindings, sides);
+        frame.barrier();
+      }
       if (order < orders_) frame.dispatch(*copy_order_, bindings, sides);
       frame.barrier();
     }
@@ -93,7 +105,7 @@ class Radiosity final : public Pass {
  private:
   int bounces_ = 8, rays_ = 16;
   int orders_ = 1;
-  bool feedback_ = false;
+  bool feedback_ = false, grey_ = false;
   std::shared_ptr<const Program> copy_first_, copy_last_, copy_order_, copy_through_, gather_;
 };
 

@@ -43,7 +43,9 @@ class RayMarch final : public Pass {
  public:
   void params(Params& p) override {
     p.choice("method", method_, {"rays", "cones"}, {.cost = Cost::graph, .doc = "how `irradiance` is found"});
-    p.integer("rays", rays_, {.min = 1, .max = 4096, .scale = Scale::log, .doc = "rays a pixel and frame, or a probe"});
+    p.integer(
+        "rays", rays_,
+        {.min = 1, .max = 4096, .scale = Scale::log, .cost = Cost::graph, .doc = "rays a pixel and frame, or a probe"});
     p.integer("aimed", aimed_,
               {.min = 0,
                .max = 4096,
@@ -86,12 +88,14 @@ class RayMarch final : public Pass {
       return volume.absent(why);
     }
     emission_ = emitter_ && voxels.texture("emission") != nullptr;
+    if (const TextureDesc* coverage = voxels.texture("coverage"))
+      rounds_of_ray_ = rounds_of_marched_ray(coverage->width + coverage->height + coverage->depth);
     if (surface.absent()) {
       irradiance.absent(surface.connected() ? surface.why_absent() : "no surface is wired");
     } else {
       irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels_),
                          Access::image_write);
-      resolution_.declare(ports, channels_);
+      resolution_.declare(ports, channels_, method_ == "rays" ? parts_of(rays_ + aimed_, rounds_of_ray_) : 1);
     }
 
     probe_grid_ = fit_grid(rules::bounds(ports, facts), probes_);
@@ -102,7 +106,6 @@ class RayMarch final : public Pass {
       volume.texture(channel, cells, Access::image_read_write);
 
     if (const TextureDesc* coverage = voxels.texture("coverage")) {
-      most_crossings_ = coverage->width + coverage->height + coverage->depth;
       if (method_ == "cones") {
         scratch_levels(ports, "pyramid", *coverage, Format::rgba16f, 6);
       } else if (aimed_ > 0) {
@@ -152,7 +155,7 @@ class RayMarch final : public Pass {
     if (!volume_) return;
     bindings.publish("volume", probe_grid_);
     if (wake_) wake(frame, bindings);
-    const int at_once = steps_at_once(rays_, most_crossings_);
+    const int at_once = steps_at_once(rays_, rounds_of_ray_);
     for (int first = 0; first < rays_; first += at_once) {
       volume_->set("part", glm::ivec2(first, std::min(first + at_once, rays_)));
       frame.dispatch(*volume_, bindings, glm::ivec3(probe_grid_.cells));
@@ -223,7 +226,7 @@ class RayMarch final : public Pass {
   std::string method_ = "rays";
   int rays_ = 64, aimed_ = 0, cones_ = 32, probes_ = 8, channels_ = 3;
   int levels_ = 1, slabs_ = 1;  // of the pyramid
-  int most_crossings_ = 1;      // cells that a ray can cross
+  int rounds_of_ray_ = 1;
   bool emitter_ = false, emission_ = false, has_light_ = false, pixels_ = false, sleeps_ = false;
   std::optional<std::uint64_t> marched_;  ///< what the rays of cells that are awake depend on
   interop::Grid probe_grid_{};

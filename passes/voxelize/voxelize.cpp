@@ -27,6 +27,7 @@
 #include "loom/fingerprint.h"
 #include "loom/grid.h"
 #include "loom/plugin.h"
+#include "loom/rounds.h"
 #include "loom/rules.h"
 
 namespace {
@@ -79,6 +80,7 @@ class Voxelize final : public Pass {
     grid_block_ = fit_grid(rules::bounds(ports, facts), grid_);
 
     reflect_volumes(ports, voxels);
+    check_rays(ports);
 
     // The raster has no picture; its size is that of a target.
     ports.scratch("raster", TextureDesc::image({raster_size(), raster_size()}, Format::r8), Access::color);
@@ -144,6 +146,20 @@ class Voxelize final : public Pass {
   }
 
  private:
+  /// All light of a side is found by one invocation (loom/rounds.h); on an average way through a room a ray takes some
+  /// four rounds for each cell along the grid's side.
+  void check_rays(Ports& ports) const {
+    const int kinds = (facts_.emissive_triangles > 0 ? 1 : 0) + (facts_.sky ? 1 : 0);
+    const int to_lights = shadow_maps_ ? 0 : 16 * facts_.lights();
+    const double rounds = 4. * grid_ * (kinds * rays_ + to_lights);
+    if (rounds <= most_rounds) return;
+    ports.error("too-many-rays",
+                std::to_string(kinds * rays_ + to_lights) + " rays a side of a sheet through a grid of " +
+                    std::to_string(grid_) + " cells are more than one shader invocation can follow",
+                to_lights > 0 ? "wire `lights` to an RSM: its shadow maps take the place of rays"
+                              : "set fewer `rays`, or a coarser `grid`");
+  }
+
   /// The volumes that consumers may ask for. Light needs the places of the sheets; the albedo that it takes away from
   /// what it makes is laid down in the volume that it makes.
   void reflect_volumes(Ports& ports, OutputPort& voxels) {

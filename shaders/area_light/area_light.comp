@@ -2,6 +2,7 @@
 #include "interop/frame.h"
 #include "lib/area_light.glsl"
 #include "lib/camera.glsl"
+#include "lib/parts.glsl"
 layout(std140) uniform frame_data { FrameData frame; };
 layout(std140) uniform surface_data { Camera camera; };
 uniform sampler2D surface_depth;
@@ -18,12 +19,12 @@ vec3 irradiance_at(ivec2 pixel) {
   r.n_g = normalize(texelFetch(surface_geometric_normal, pixel, 0).xyz);
   r.depth = depth;
   r.seed = pixel_seed(uvec2(pixel), uvec4(frame.random.xy, 0u, 0u), 0x61726561u);
-  r.sequence = frame.random.z;
+  r.sequence = stretch_of_part(frame.random.z);
 #if EMITTERS != EMITTERS_none
-  irradiance += emitter_irradiance(r, samples, 4);
+  irradiance += emitter_irradiance(r, samples_of_part(samples), 4);
 #endif
 #if SKY
-  irradiance += sky_irradiance(r, frame.sky.rgb, samples);
+  irradiance += sky_irradiance(r, frame.sky.rgb, samples_of_part(samples));
 #endif
   return irradiance;
 }

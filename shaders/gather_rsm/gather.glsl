@@ -15,6 +15,7 @@ uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
 uniform ivec3 map;  // texels, texels, faces
 uniform int samples;
+#include "lib/parts.glsl"
 uniform float radius;
 uniform float min_distance;
 
@@ -82,14 +83,14 @@ int choose_texel(Light light, Centre centre, vec2 u, out float weight) {
   if (centre.planar) {
     q = centre.q + r * vec2(cos(angle), sin(angle));
     // 2πR²ξ₁/(N·a) in plane coordinates, where a texel's area is 4/N².
-    weight = 2. * pi * centre.reach * r * .25 * float(map.x) * float(map.y) / float(samples);
+    weight = 2. * pi * centre.reach * r * .25 * float(map.x) * float(map.y) / float(samples_of_part(samples));
   } else {
     vec3 w = orthonormal_basis(centre.direction) * vec3(sin(r) * vec2(cos(angle), sin(angle)), cos(r));
     layer += cube_face(w);
     vec3 projected = face_project(faces[layer], faces[layer].origin.xyz + w);
     q = clamp(projected.xy, vec2(-1), vec2(.9999999));
     // The inverse of the texel's solid angle 4z³/N², z along the face's axis.
-    weight = 2. * pi * centre.reach * sin(r) / float(samples) * .25 * float(map.x) * float(map.y) /
+    weight = 2. * pi * centre.reach * sin(r) / float(samples_of_part(samples)) * .25 * float(map.x) * float(map.y) /
              (projected.z * projected.z * projected.z);
   }
   ivec2 texel = ivec2(floor(.5 * (q + 1.) * vec2(map.xy)));
@@ -118,11 +119,12 @@ Gathered gathered_at(ivec2 pixel) {
   for (int i = 0; i < lights.length(); ++i) {
     int first = int(lights[i].direction.w), faces_of = int(lights[i].intensity.w);
     bool cone = int(lights[i].position.w) == LIGHT_SPOT && faces_of == 1;
-    for (int row = first * map.y; row < (first + faces_of) * map.y; ++row) {
+    // A part takes every n-th row, and counts it n times.
+    for (int row = first * map.y + part.x; row < (first + faces_of) * map.y; row += part.y) {
       // A spot lights the circle |q| < 1 of its face: what lies outside reflects exactly nothing.
       float v = (2. * float(row % map.y) + 1.) / float(map.y) - 1.;
       int left = cone ? max(0, int(.5 * float(map.x) * (1. - sqrt(max(0., 1. - v * v)))) - 1) : 0;
-      for (int k = left; k < map.x - left; ++k) add_light(row * map.x + k, x, n, 1., sums.given, sums.taken);
+      for (int k = left; k < map.x - left; ++k) add_light(row * map.x + k, x, n, float(part.y), sums.given, sums.taken);
     }
   }
 #else
@@ -130,9 +132,10 @@ Gathered gathered_at(ivec2 pixel) {
   for (int i = 0; i < lights.length(); ++i) {
     Centre centre = centre_of(lights[i], x);
     uvec2 offset = hash(uvec4(seed, uint(i), 0u, 0u)).xy;
-    for (int k = 0; k < samples; ++k) {
+    int count = samples_of_part(samples);
+    for (int k = 0; k < count; ++k) {
       float weight;
-      vec2 u = rotated_r2(frame.random.z * uint(samples) + uint(k), offset);
+      vec2 u = rotated_r2(stretch_of_part(frame.random.z) * uint(count) + uint(k), offset);
       int index = choose_texel(lights[i], centre, u, weight);
       if (index >= 0) add_light(index, x, n, weight, sums.given, sums.taken);
     }

@@ -11,6 +11,7 @@
 //   The weights do not look at the light: what is constant stays so, to the bit.
 // Joint bilateral upsampling: Kopf et al., SIGGRAPH 2007.
 #include "lib/edge.glsl"
+#include "lib/parts.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 #if RESOLUTION == RESOLUTION_COARSE
 writeonly uniform image2D scratch_coarse;
@@ -19,6 +20,9 @@ writeonly uniform image2D irradiance_irradiance;
 #endif
 #if RESOLUTION == RESOLUTION_FINE
 uniform sampler2D scratch_coarse;
+#endif
+#if PARTS
+layout(rgba32f) uniform image2D scratch_sum;
 #endif
 uniform int resolution;
 
@@ -74,6 +78,19 @@ bool upsampled(ivec2 pixel, float depth, out vec3 irradiance) {
 }
 #endif
 
+// The mean over the parts up to this one, times their share; false before the last. `at`: where in the image of sums.
+bool add_part(ivec2 at, inout vec3 irradiance) {
+#if PARTS
+  irradiance /= float(part.y);
+  if (part.x > 0) irradiance += imageLoad(scratch_sum, at).rgb;
+  if (part.x + 1 < part.y) {
+    imageStore(scratch_sum, at, vec4(irradiance, 0));
+    return false;
+  }
+#endif
+  return true;
+}
+
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   vec3 irradiance = vec3(0);
@@ -82,6 +99,7 @@ void main() {
   if (any(greaterThanEqual(block, imageSize(scratch_coarse)))) return;
   pixel = block_pixel(block);
   if (seen_depth(pixel) > 0.) irradiance = irradiance_at(pixel);
+  if (!add_part(block, irradiance)) return;
   imageStore(scratch_coarse, block, vec4(irradiance, 1));
 #else
   if (any(greaterThanEqual(pixel, imageSize(irradiance_irradiance)))) return;
@@ -90,7 +108,10 @@ void main() {
 #if RESOLUTION == RESOLUTION_FINE
   if (!found) found = upsampled(pixel, depth, irradiance);
 #endif
-  if (!found) irradiance = irradiance_at(pixel);
+  if (!found) {
+    irradiance = irradiance_at(pixel);
+    if (!add_part(pixel, irradiance)) return;
+  }
   imageStore(irradiance_irradiance, pixel, vec4(irradiance, 1));
 #endif
 }

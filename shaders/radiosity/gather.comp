@@ -9,8 +9,9 @@ layout(local_size_x = 32) in;
 
 layout(std140) uniform frame_data { FrameData frame; };
 uniform sampler3D voxels_radiance;
-writeonly uniform image3D TARGET;
+layout(FORMAT) uniform image3D TARGET;
 uniform int rays;
+uniform ivec2 part;  // of the rays: the first, and the one after the last
 uniform int order;
 uniform uint frame_seed;
 
@@ -25,11 +26,12 @@ void main() {
   if (sheet_side(cell, slab >> 1, slab & 1, s) && s.albedo != vec3(0)) {
     uint seed = hash(uvec4(uvec3(s.texel), frame.random.x ^ uint(order) * 0x9e3779b9u ^ frame_seed * 0x85ebca6bu)).x;
     vec3 sum = vec3(0);
-    for (int k = 0; k < rays; ++k) {
+    for (int k = part.x; k < part.y; ++k) {
       vec3 w = cosine_hemisphere(low_discrepancy(uint(k), seed), s.normal);
       sum += march(s.position, w, s.normal, 1e30).radiance;
     }
-    radiance = texelFetch(voxels_radiance, s.texel, 0).rgb + s.albedo * sum / float(rays);
+    vec3 before = part.x == 0 ? texelFetch(voxels_radiance, s.texel, 0).rgb : CHANNELS(imageLoad(TARGET, s.texel));
+    radiance = before + s.albedo * sum / float(rays);
   }
   imageStore(TARGET, s.texel, vec4(radiance, 1));
 }

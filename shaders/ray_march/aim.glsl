@@ -25,8 +25,8 @@ vec3 light_of_crossing(ivec3 cell, int slab, float coverage, float t, float faci
   vec3 radiance = exitant_radiance(cell + ivec3(0, 0, slab * grid.cells.z));
   if (radiance == vec3(0)) return radiance;
   float aimed_density = luminance(radiance) * coverage / total_power * t * t / max(facing, 1e-6);
-  float by_cosine = float(rays) * ray_density;
-  return radiance * (by_cosine / max(by_cosine + float(aimed) * aimed_density, 1e-30));
+  float by_cosine = float(samples_of_part(rays)) * ray_density;
+  return radiance * (by_cosine / max(by_cosine + float(samples_of_part(aimed)) * aimed_density, 1e-30));
 }
 
 // A point of the side, in cells.

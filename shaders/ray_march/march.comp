@@ -6,6 +6,7 @@
 #include "lib/sampling.glsl"
 #include "ray_march/exitant.glsl"
 uniform int rays;
+#include "lib/parts.glsl"
 #if AIMED
 vec3 light_of_crossing(ivec3 cell, int slab, float coverage, float t, float facing);
 #define SHEET_LIGHT(cell, slab, coverage, t, facing) light_of_crossing(cell, slab, coverage, t, facing)
@@ -30,9 +31,10 @@ struct Point {
 // Σ L over the cosine-distributed rays.
 vec3 gather(Point x) {
   vec3 sum = vec3(0);
-  for (int k = 0; k < rays; ++k) {
-    // The sub-pixel samples of one pixel continue one sequence.
-    vec3 w = cosine_hemisphere(low_discrepancy(frame.random.z * uint(rays) + uint(k), x.seed), x.normal);
+  int count = samples_of_part(rays);
+  for (int k = 0; k < count; ++k) {
+    uint i = stretch_of_part(frame.random.z) * uint(count) + uint(k);
+    vec3 w = cosine_hemisphere(low_discrepancy(i, x.seed), x.normal);
     if (dot(w, x.geometric_normal) <= 0.) continue;
 #if AIMED
     ray_density = dot(w, x.normal) * inverse_pi;
@@ -51,8 +53,9 @@ vec3 gather(Point x) {
 vec3 aim(Point x) {
   vec3 origin = grid_coordinates(grid, 0, x.position), sum = vec3(0);
   uint seeds[2] = uint[2](hash(uvec4(x.seed, 1u, 0u, 0u)).x, hash(uvec4(x.seed, 2u, 0u, 0u)).x);
-  for (int k = 0; k < aimed; ++k) {
-    uint i = frame.random.z * uint(aimed) + uint(k);
+  int count = samples_of_part(aimed);
+  for (int k = 0; k < count; ++k) {
+    uint i = stretch_of_part(frame.random.z) * uint(count) + uint(k);
     target = targets[min(int(low_discrepancy(i, seeds[0]).x * float(target_count)), target_count - 1)];
     if (target.w < 0) continue;
     vec3 d = point_on(target, low_discrepancy(i, seeds[1])) - origin;
@@ -78,7 +81,7 @@ vec3 irradiance_at(ivec2 pixel) {
   if (total_power > 0.) sum += aim(x);
 #endif
   sum += gather(x);
-  return sum * (pi / float(rays));
+  return sum * (pi / float(samples_of_part(rays)));
 }
 
 #include "lib/resolution.glsl"

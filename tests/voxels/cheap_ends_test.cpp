@@ -116,7 +116,8 @@ TEST_F(CheapEndsTest, VolumeOfProbesInAFurnace) {
   }
 }
 
-// 4096 rays of some 30 crossings each are more rounds than llvmpipe gives one invocation: they take several dispatches.
+// 4096 rays of some 30 crossings each are more rounds than llvmpipe gives one invocation: they take several dispatches,
+// whether they leave from probes or from pixels.
 TEST_F(CheapEndsTest, AsManyRaysAsTheParameterAllows) {
   Bench bench(*device_, furnace(.5F));
   bench.look({0, 0, 0}, {-1, .05, .05}, .3);
@@ -139,6 +140,25 @@ TEST_F(CheapEndsTest, AsManyRaysAsTheParameterAllows) {
   };
   const double some = irradiance("512"), all = irradiance("4096");
   EXPECT_NEAR(all, some, .02 * some);
+  const auto at_pixels = [&](const char* rays, const char* coarser) {
+    return bench
+        .image(furnace_pipeline(R"(
+    "march": { "type": "RayMarch", "in": { "surface": "gbuffer.surface", "voxels": "voxelize.voxels",
+                                           "light": "radiosity.light" } } },
+  "outputs": { "image": "march.irradiance" })"),
+               "image",
+               {.size = {6, 6},
+                .set = {{"voxelize", "grid", "48"},
+                        {"voxelize", "rays", "4"},
+                        {"radiosity", "rays", "4"},
+                        {"radiosity", "bounces", "1"},
+                        {"march", "resolution", coarser},
+                        {"march", "rays", rays}}})
+        .mean()
+        .x;
+  };
+  const double few = at_pixels("256", "1");
+  for (const char* coarser : {"1", "2"}) EXPECT_NEAR(at_pixels("4096", coarser), few, .02 * few) << coarser;
 }
 
 // Probes that look up the voxels' light: the same furnace, all orders at once.

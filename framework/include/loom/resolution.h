@@ -12,6 +12,8 @@
 #include <functional>
 #include <memory>
 
+#include <glm/vec2.hpp>
+
 #include "loom/export.h"
 #include "loom/frame.h"
 #include "loom/gpu.h"
@@ -24,15 +26,18 @@ class LOOM_API Resolution {
  public:
   void params(Params& p);
   /// Declares the scratch texture `coarse` where the size is a part of the frame's. The pass reads depth and normal of
-  /// its input `surface`, and has an output `irradiance`.
-  void declare(Ports& ports, int channels) const;
+  /// its input `surface`, and has an output `irradiance`. `parts`: dispatches that the samples of a pixel are shared
+  /// out over (loom/rounds.h); the shader asks lib/parts.glsl for its share.
+  void declare(Ports& ports, int channels, int parts = 1);
   void prepare(Device& device, const ProgramDesc& desc);
   void dispatch(Frame& frame, const Bindings& bindings) const;
   /// For uniforms of the pass's own, in each of its programs.
   void each_program(const std::function<void(const Program&)>& set) const;
 
  private:
-  int resolution_ = 1;
+  void dispatch_parts(Frame& frame, const Bindings& bindings, const Program& program, glm::ivec2 size) const;
+
+  int resolution_ = 1, parts_ = 1;
   std::shared_ptr<const Program> coarse_, fine_;
 };
 
