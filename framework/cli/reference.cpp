@@ -18,6 +18,7 @@
 #include "loom/diagnostic.h"
 #include "reference/film.h"
 #include "reference/path_tracer.h"
+#include "reference/photons.h"
 #include "reference/run.h"
 #include "scene/load.h"
 
@@ -35,6 +36,9 @@ struct Arguments {
   std::optional<int> bounces;
   std::uint64_t seed = 0;
   int threads = 0;
+  std::string method = "paths";
+  int photons = reference::PhotonOptions{}.photons;
+  double radius = reference::PhotonOptions{}.radius;
   std::vector<std::string> merge;
 };
 
@@ -127,6 +131,15 @@ void check(const Arguments& arguments) {
   if (arguments.bounces && *arguments.bounces < 0) {
     throw bad_usage("--bounces must be 0 or more", "leave it out for no limit");
   }
+  if (arguments.method != "paths" && arguments.method != "photons") {
+    throw bad_usage("--method " + arguments.method + ": there is none of that name", "paths or photons");
+  }
+  if (arguments.photons < 1 || arguments.photons > 1 << 26) {
+    throw bad_usage("--photons must be from 1 to 67108864", "more passes (--spp) do the same with less memory");
+  }
+  if (!(arguments.radius > 0 && arguments.radius <= 1)) {
+    throw bad_usage("--radius must be above 0 and at most 1", "it is in diagonals of the scene, for example 0.005");
+  }
   if (arguments.threads < 0) throw bad_usage("--threads must be 0 or more", "0 uses all");
 }
 
@@ -170,11 +183,46 @@ void merge(const Arguments& arguments, const Session& session) {
   finish(film, arguments, session, Json::array());
 }
 
+/// Photon mapping: passes of all pixels, saved every few seconds.
+void map_photons(const Arguments& arguments, const Session& session, const scene::Setup& setup, glm::ivec2 size) {
+  const reference::PhotonOptions options{.bounces = arguments.bounces.value_or(-1),
+                                         .seed = arguments.seed,
+                                         .threads = arguments.threads,
+                                         .photons = arguments.photons,
+                                         .radius = arguments.radius};
+  const std::string film_path = film_of(arguments.output);
+  reference::Film film = reference::open_film(
+      film_path, size, reference::identify(setup.scene, setup.camera, size, options), options.seed);
+  if (film.least_count() > 0) note("going on from " + std::to_string(film.least_count()) + " passes in " + film_path);
+  const glm::dvec3 origin = setup.camera.eye;
+  const reference::PhotonMapper mapper(setup.scene, origin, options);
+  const interop::Camera camera = reference::view_of(setup.camera, setup.scene, size, origin);
+  using Clock = std::chrono::steady_clock;
+  const auto seconds_since = [](Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+  };
+  constexpr double save_every_s = 5;
+  Clock::time_point saved = Clock::now();
+  while (arguments.noise ? film.least_count() < 2 * reference::replicates || film.relative_error() > *arguments.noise
+                         : film.least_count() < arguments.samples.value_or(default_samples)) {
+    const Clock::time_point begun = Clock::now();
+    mapper.accumulate(film, camera);
+    film.seconds += seconds_since(begun);
+    if (seconds_since(saved) < save_every_s) continue;
+    film.save(film_path);
+    saved = Clock::now();
+  }
+  film.save(film_path);
+  note("the radius of the last pass is " + format("%.4g m", mapper.radius(film.least_count() - 1)));
+  finish(film, arguments, session, Json::array());
+}
+
 void render(const Arguments& arguments, const Session& session) {
   Diagnostics diagnostics;
   const scene::Setup setup = scene::load_setup(find_scene(arguments.scene), arguments.camera, diagnostics);
   report(diagnostics);
   const glm::ivec2 size = arguments.size.empty() ? setup.size.value_or(default_size) : parse_size(arguments.size);
+  if (arguments.method == "photons") return map_photons(arguments, session, setup, size);
 
   reference::Options options;
   options.bounces = arguments.bounces.value_or(-1);
@@ -216,6 +264,12 @@ void add_reference(CLI::App& app, Session& session) {
   command->add_option("--size", arguments->size, "WxH (default: the run file's, or 512x512)");
   command->add_option("--camera", arguments->camera, "A camera of the scene by name, or JSON as in a run file");
   command->add_option("--threads", arguments->threads, "0 = all; the image does not depend on it");
+  command->add_option(
+      "--method", arguments->method,
+      "paths (default), or photons: photon mapping, which shares no estimator with it; --spp is passes");
+  command->add_option("--photons", arguments->photons, "Photons that each pass sends out (default 200000)");
+  command->add_option("--radius", arguments->radius,
+                      "Of the first pass, in diagonals of the scene (default 0.005); it shrinks from pass to pass");
   command->add_option("--merge", arguments->merge, "Add up finished runs (their .exr or .film) instead of rendering");
   add_json_option(*command, session);
   add_plugin_option(*command, session);

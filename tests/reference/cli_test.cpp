@@ -46,6 +46,25 @@ TEST_F(ReferenceCommand, WritesEveryLayer) {
   EXPECT_EQ(image.attributes.at("loom:quantity"), "radiance");
 }
 
+// Photon maps give the same layers, go on where they were, and are no paths.
+TEST_F(ReferenceCommand, MapsPhotons) {
+  const std::vector<std::string> photons = {"--method", "photons", "--photons", "2000", "--spp"};
+  const auto with = [&](const char* passes) {
+    auto arguments = photons;
+    arguments.emplace_back(passes);
+    return arguments;
+  };
+  ASSERT_EQ(reference("a.exr", with("2")).exit_code, 0);
+  ASSERT_EQ(reference("a.exr", with("4")).exit_code, 0);
+  ASSERT_EQ(reference("b.exr", with("4")).exit_code, 0);
+  EXPECT_EQ(read_exr(dir_ / "a.exr").channels, read_exr(dir_ / "b.exr").channels);
+  EXPECT_EQ(read_exr(dir_ / "a.exr").channels.size(), 25U);
+  EXPECT_EQ(reference("a.exr", {"--spp", "16"}).exit_code, 2);
+  const ProcessResult unknown = reference("c.exr", {"--method", "bidirectional"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("paths or photons"), std::string::npos) << unknown.err;
+}
+
 // A second call adds the missing samples and gives the file that one call would have given.
 TEST_F(ReferenceCommand, ContinuesAndEndsTheSame) {
   ASSERT_EQ(reference("a.exr", {"--spp", "16"}).exit_code, 0);
