@@ -18,6 +18,14 @@ bool is_data_dir(const fs::path& dir) {
   return fs::is_directory(dir / "configs", ignored) && fs::is_directory(dir / "shaders", ignored);
 }
 
+/// `lightloom` in the folder that the variable names, else in one below HOME.
+std::string user_dir(const char* variable, const char* below_home) {
+  const auto set = [](const char* text) { return text != nullptr && *text != '\0'; };
+  if (const char* named = std::getenv(variable); set(named)) return fs::path(named) / "lightloom";
+  if (const char* home = std::getenv("HOME"); set(home)) return fs::path(home) / below_home / "lightloom";
+  return {};
+}
+
 }  // namespace
 
 std::string library_dir() {
@@ -52,11 +60,8 @@ std::string data_dir() {
               "): set LOOM_DATA_DIR to the folder that holds configs/ and shaders/");
 }
 
-std::string cache_dir() {
-  const auto set = [](const char* text) { return text != nullptr && *text != '\0'; };
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); set(cache)) return fs::path(cache) / "lightloom";
-  if (const char* home = std::getenv("HOME"); set(home)) return fs::path(home) / ".cache" / "lightloom";
-  return {};
-}
+std::string cache_dir() { return user_dir("XDG_CACHE_HOME", ".cache"); }
+
+std::string state_dir() { return user_dir("XDG_STATE_HOME", ".local/state"); }
 
 }  // namespace loom

@@ -1,5 +1,6 @@
 #pragma once
-// Where what is shipped beside the library lies (pipelines/, configs/, shaders/), and where a user's caches do.
+// Where what is shipped beside the library lies (pipelines/, configs/, shaders/), and where a user's caches and state
+// do.
 #include <string>
 
 #include "loom/export.h"
@@ -13,5 +14,7 @@ LOOM_API std::string library_dir();
 LOOM_API std::string data_dir();
 /// `lightloom` in XDG_CACHE_HOME, else in ~/.cache; empty where neither is set. May not exist yet.
 LOOM_API std::string cache_dir();
+/// The same of XDG_STATE_HOME, else ~/.local/state: what a program remembers from one run to the next.
+LOOM_API std::string state_dir();
 
 }  // namespace loom

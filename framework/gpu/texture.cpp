@@ -13,6 +13,7 @@
 #include "gpu/current.h"
 #include "gpu/debug.h"
 #include "gpu/format.h"
+#include "gpu/read_region.h"
 #include "loom/diagnostic.h"
 #include "loom/gpu.h"
 
@@ -154,30 +155,39 @@ void Texture::clear(glm::vec4 value) const {
 }
 
 std::vector<glm::vec4> Texture::read(int mip) const {
-  const gpu::GlFormat format = gpu::gl_format(desc_.format);
-  const std::size_t count = texels_of(desc_, mip);
+  const glm::ivec3 size = level_size(desc_, mip);
+  return gpu::read_region(*this, mip, glm::ivec3(0),
+                          {size.x, size.y, desc_.kind == TextureKind::d3 ? size.z : layers_of(desc_)});
+}
+
+std::vector<glm::vec4> gpu::read_region(const Texture& texture, int mip, glm::ivec3 lower, glm::ivec3 size) {
+  const TextureDesc& desc = texture.desc();
+  const GlFormat format = gl_format(desc.format);
+  const std::size_t count =
+      static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
   std::vector<glm::vec4> result(count);
   glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
   const PlainTransfer transfer(true);
-  if (is_depth(desc_.format)) {
+  const auto fetch = [&](GLenum type, std::size_t bytes, void* to) {
+    glGetTextureSubImage(texture.name(), mip, lower.x, lower.y, lower.z, size.x, size.y, size.z, format.read_layout,
+                         type, static_cast<GLsizei>(bytes), to);
+  };
+  if (is_depth(desc.format)) {
     std::vector<float> depth(count);
-    glGetTextureImage(name_, mip, format.read_layout, GL_FLOAT, static_cast<GLsizei>(count * sizeof(float)),
-                      depth.data());
+    fetch(GL_FLOAT, count * sizeof(float), depth.data());
     for (std::size_t i = 0; i < count; ++i) result[i] = {depth[i], 0, 0, 1};
-  } else if (is_integer(desc_.format)) {
+  } else if (is_integer(desc.format)) {
     std::vector<glm::uvec4> integers(count);
-    glGetTextureImage(name_, mip, format.read_layout, format.read_type,
-                      static_cast<GLsizei>(count * sizeof(glm::uvec4)), integers.data());
+    fetch(format.read_type, count * sizeof(glm::uvec4), integers.data());
     const bool is_signed = format.read_type == GL_INT;
     for (std::size_t i = 0; i < count; ++i)
       result[i] = is_signed ? glm::vec4(glm::ivec4(integers[i])) : glm::vec4(integers[i]);
   } else {
-    glGetTextureImage(name_, mip, format.read_layout, GL_FLOAT, static_cast<GLsizei>(count * sizeof(glm::vec4)),
-                      result.data());
+    fetch(GL_FLOAT, count * sizeof(glm::vec4), result.data());
   }
   // A transfer does not see how samplers read the texture.
-  if (desc_.grey) {
-    for (glm::vec4& texel : result) texel = {texel.r, texel.r, texel.r, two_channels(desc_.format) ? texel.g : 1};
+  if (desc.grey) {
+    for (glm::vec4& texel : result) texel = {texel.r, texel.r, texel.r, two_channels(desc.format) ? texel.g : 1};
   }
   return result;
 }

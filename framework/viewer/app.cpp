@@ -59,23 +59,47 @@ void App::step(double wait_s) {
   const bool size_pending = !ui_.fixed_size && wanted_size_ != model_.size() && wanted_size_.x > 0;
   const bool busy = redraws_ > 0 || model_.frame_due() || size_pending;
   if (window_.wait(busy ? 0 : wait_s)) redraws_ = redraws_after_event;
-  for (const std::string& file : window_.dropped()) model_.open_any(file);
+  for (const std::string& file : window_.dropped()) guarded([&] { open_dropped(file); });
   const double now = now_s();
   if (now - polled_s_ > poll_every_s) {
     polled_s_ = now;
-    if (model_.poll_files()) redraws_ = redraws_after_event;
+    guarded([&] {
+      if (model_.poll_files()) redraws_ = redraws_after_event;
+    });
   }
   follow_size(now);
-  if (ui_.reference_panel.follow(ui_)) redraws_ = redraws_after_event;
+  guarded([&] {
+    if (ui_.reference_panel.follow(ui_)) redraws_ = redraws_after_event;
+  });
   const double dt = std::clamp(now - last_s_, 0., .1);
   last_s_ = now;
   if (model_.frame_due()) {
-    model_.frame(dt);
+    guarded([&] { model_.frame(dt); });
     redraws_ = std::max(redraws_, 1);
   }
+  if (ui_.texture_panel.wants_redraw()) redraws_ = std::max(redraws_, 1);
   if (redraws_ == 0) return;
   --redraws_;
   draw();
+}
+
+void App::open_dropped(const std::string& path) {
+  if (report_file(path).empty()) {
+    model_.open_any(path);
+    return;
+  }
+  ui_.reference_panel.plot.load(path, model_.scene_path());
+  ui_.open_tab(Tab::reference);
+}
+
+/// A window outlives whatever goes wrong in it.
+void App::guarded(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    ui_.notice = error.what();
+    redraws_ = redraws_after_event;
+  }
 }
 
 void App::follow_size(double now) {
@@ -92,6 +116,9 @@ void App::follow_size(double now) {
 }
 
 void App::draw() {
+  guarded([&] {
+    ui_.overlay.update(model_, ui_.texture_panel.volume, ui_.texture_panel.settings, glm::ivec2(ui_.picture_size));
+  });
   const double start = thread_cpu_ms();
   window_.set_title("Lightloom – " + std::filesystem::path(model_.pipeline_path()).stem().string());
   window_.begin_frame();
@@ -104,13 +131,7 @@ void App::draw() {
 
 void App::run_pending() {
   if (ui_.pending.empty()) return;
-  for (const auto& work : std::exchange(ui_.pending, {})) {
-    try {
-      work();
-    } catch (const std::exception& error) {
-      ui_.notice = error.what();
-    }
-  }
+  for (const auto& work : std::exchange(ui_.pending, {})) guarded(work);
   redraws_ = redraws_after_event;
 }
 
@@ -138,7 +159,9 @@ void App::layout() {
         draw_pipelines(ui_);
         ImGui::EndTabItem();
       }
-      if (ImGui::BeginTabItem("Scene")) {
+      const bool scene = ImGui::BeginTabItem("Scene");
+      ui_.note_place("scene");
+      if (scene) {
         draw_scene(ui_);
         ImGui::EndTabItem();
       }

@@ -2,6 +2,7 @@
 // The inspector: a window, a model, and the loop between them.
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "viewer/entry.h"
@@ -39,6 +40,8 @@ class App {
   void layout();
   void run_pending();
   void follow_size(double now);
+  void open_dropped(const std::string& path);
+  void guarded(const std::function<void()>& work);
 
   UserState user_;
   Window window_;  ///< its context outlives the model

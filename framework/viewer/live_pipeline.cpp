@@ -60,7 +60,7 @@ void LivePipeline::build(const PipelineRequest& request, const Surroundings& sur
   graph::CompiledGraph graph = compile(options);
   if (!request.inspect.empty()) {
     for (const graph::GraphOutput& output : graph.outputs) options.requested.push_back(output.name);
-    options.requested.push_back(request.inspect);
+    options.requested.insert(options.requested.end(), request.inspect.begin(), request.inspect.end());
     graph = compile(options);
   }
   if (graph.bytes > memory_limit) {

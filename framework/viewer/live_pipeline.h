@@ -29,7 +29,7 @@ struct PipelineRequest {
   std::string path;
   Settings set;
   glm::ivec2 size{512, 512};
-  std::string inspect;  ///< an endpoint whose texture is kept to be looked at; empty: none
+  std::vector<std::string> inspect;  ///< endpoints whose textures are kept to be looked at
 };
 
 /// What a compilation needs beside the request.

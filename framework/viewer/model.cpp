@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <memory>
 #include <set>
 #include <system_error>
 #include <utility>
+
+#include <glm/geometric.hpp>
 
 #include "gpu/context.h"
 #include "loom/json.h"
@@ -28,6 +31,20 @@ std::vector<std::string> json_files(const fs::path& folder) {
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+constexpr double longest_s = 1e6;  ///< of an animation
+
+/// Within what floats resolve and cameras reach.
+bool sane(const glm::dvec3& v) {
+  constexpr double most = 1e9;
+  return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most;
+}
+
+Diagnostics refused(const std::string& message) {
+  Diagnostics diagnostics;
+  diagnostics.error("refused", message);
+  return diagnostics;
 }
 
 /// The names of inputs that a person sees are paths; the same file may be reached by two.
@@ -92,16 +109,6 @@ bool Model::compare_with(const std::string& path) {
   return path.empty() || compile_other();
 }
 
-PipelineRequest Model::request() const {
-  const auto set = edits_.set.find(edits_.pipeline);
-  const bool endpoint =
-      inspected_.find('@') == std::string::npos && inspected_.find(".persistent.") == std::string::npos;
-  return {.path = edits_.pipeline,
-          .set = set == edits_.set.end() ? Settings{} : set->second,
-          .size = size_,
-          .inspect = endpoint ? inspected_ : std::string()};
-}
-
 bool Model::compile() {
   PipelineRequest wanted = request();
   bool ok = live_.compile(wanted, surroundings());
@@ -110,6 +117,7 @@ bool Model::compile() {
     wanted.inspect.clear();
     if (live_.compile(wanted, surroundings())) {
       inspected_.clear();
+      inspected_states_.clear();
       ok = true;
     }
   }
@@ -193,11 +201,16 @@ bool Model::is_changed(const std::string& pass, const std::string& param) const 
   return settings().contains(pass + "." + param);
 }
 
-void Model::set_light(std::size_t index, const scene::Light& light, const std::string& gesture) {
-  if (index >= edits_.lights.size()) return;
+bool Model::set_light(std::size_t index, const scene::Light& light, const std::string& gesture) {
+  if (index >= edits_.lights.size()) return false;
+  const bool sound = sane(light.position) && sane(light.direction) && sane(light.intensity) &&
+                     glm::length(light.direction) > 1e-6 &&
+                     std::min({light.intensity.x, light.intensity.y, light.intensity.z}) >= 0;
+  if (!sound) return fail(refused("a light needs a place within 1e9 m, a direction, and an intensity from 0 to 1e9"));
   undo_.push(edits_, gesture);
   edits_.lights[index] = light;
   lights_moved();
+  return true;
 }
 
 void Model::lights_moved() {
@@ -280,10 +293,12 @@ void Model::reset() {
   touch();
 }
 
-void Model::set_time(double time_s) {
+bool Model::set_time(double time_s) {
+  if (!(std::abs(time_s) <= longest_s)) return fail(refused("a time lies between 0 and 1e6 seconds"));
   time_s_ = std::max(time_s, 0.);
   ++view_version_;
   touch();
+  return true;
 }
 
 void Model::frame(double dt_s) {
@@ -303,10 +318,21 @@ void Model::frame(double dt_s) {
   if (other_.running() && !other_.broken() &&
       !other_.render(*gpu_scene_, scene::make_camera(camera(), box_, size_), info))
     fail(other_.error());
+  const std::vector<std::string> kept = live_.renderer().kept_passes();
+  for (const graph::CompiledPass& pass : live_.graph().passes)
+    if (std::find(kept.begin(), kept.end(), pass.name) == kept.end()) made_[pass.name] = frames_ + 1;
   profile_.add({.index = frames_, .start_s = seconds_now(), .passes = live_.renderer().newest_costs()});
   ++frame_index_;
   ++frames_;
   if (pending_ > 0) --pending_;
+}
+
+void Model::render_all() {
+  if (!live_.prepare_again()) {
+    fail(live_.error());
+    return;
+  }
+  frame(0);
 }
 
 scene::Camera Model::camera() const {
@@ -315,10 +341,14 @@ scene::Camera Model::camera() const {
                                    : setup_->camera;
 }
 
-void Model::set_camera(const scene::Camera& camera) {
+bool Model::set_camera(const scene::Camera& camera) {
+  const bool sound = sane(camera.eye) && sane(camera.target) && sane(camera.up) && camera.eye != camera.target &&
+                     glm::length(camera.up) > 1e-6 && camera.yfov_rad > 1e-4 && camera.yfov_rad < 3.14;
+  if (!sound) return fail(refused("a camera needs an eye and another target within 1e9 m, and a field below 180°"));
   view_ = camera;
   ++view_version_;
   touch();
+  return true;
 }
 
 void Model::reset_camera() {
@@ -331,59 +361,6 @@ std::vector<glm::vec4> Model::radiance() const {
   for (const graph::GraphOutput& output : live_.graph().outputs)
     if (output.name == "hdr" && !output.absent) return live_.renderer().read("hdr").texels;
   return {};
-}
-
-std::vector<Inspectable> Model::inspectables() const {
-  std::vector<Inspectable> list;
-  const graph::CompiledGraph& graph = live_.graph();
-  for (const graph::CompiledPass& pass : graph.passes) {
-    for (const graph::BoundPort& port : pass.bound) {
-      const BundleType* type = registry_->bundle(port.type);
-      if (port.is_input || port.absent || type == nullptr) continue;
-      for (const BundleMember& member : type->members) {
-        const auto bound = std::find_if(port.members.begin(), port.members.end(),
-                                        [&](const auto& m) { return m.name == member.name; });
-        if (member.kind != MemberKind::texture || bound == port.members.end()) continue;
-        list.push_back({.pass = pass.name,
-                        .port = port.name,
-                        .member = member.name,
-                        .name = pass.name + "." + port.name + "." + member.name,
-                        .unit = member.unit,
-                        .made = bound->resource != graph::none});
-      }
-    }
-  }
-  for (const graph::Resource& resource : graph.resources) {
-    const bool state = resource.lifetime == graph::Resource::Lifetime::persistent || resource.history_of != graph::none;
-    if (!state || !std::holds_alternative<TextureDesc>(resource.desc)) continue;
-    list.push_back({.pass = resource.name.substr(0, resource.name.find('.')),
-                    .member = resource.name.substr(resource.name.rfind('.') + 1),
-                    .name = resource.name,
-                    .made = true,
-                    .state = true});
-  }
-  return list;
-}
-
-bool Model::inspect(const std::string& name) {
-  if (name == inspected_) return true;
-  const std::string before = std::exchange(inspected_, name);
-  const std::string needed = request().inspect;
-  if (needed == live_.request().inspect) return true;
-  if (live_.compile(request(), surroundings())) return succeed();
-  inspected_ = before;
-  return fail(live_.error());
-}
-
-const Texture* Model::inspected_texture() const {
-  if (inspected_.empty() || !live_.running()) return nullptr;
-  const graph::CompiledGraph& graph = live_.graph();
-  for (const graph::GraphOutput& output : graph.outputs)
-    if (output.name == inspected_)
-      return output.resource == graph::none ? nullptr : live_.renderer().resource(output.resource);
-  for (std::size_t i = 0; i < graph.resources.size(); ++i)
-    if (graph.resources[i].name == inspected_) return live_.renderer().resource(static_cast<int>(i));
-  return nullptr;
 }
 
 }  // namespace loom::viewer

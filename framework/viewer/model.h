@@ -2,6 +2,7 @@
 // The inspector without its window: what is open, what was changed, when a frame is due. Tests drive it headless.
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -22,6 +23,7 @@
 #include "viewer/live_pipeline.h"
 #include "viewer/profile.h"
 #include "viewer/undo.h"
+#include "viewer/volume_cells.h"
 
 namespace loom::viewer {
 
@@ -35,6 +37,7 @@ struct Inspectable {
   std::string unit;
   bool made = false;   ///< false: nobody reads it; looking at it makes it
   bool state = false;  ///< persistent or history: always there
+  bool never_negative = false;
 };
 
 /// A shipped pipeline goes by its name; everything else is a path.
@@ -76,7 +79,7 @@ class Model {
   [[nodiscard]] bool is_changed(const std::string& pass, const std::string& param) const;
   /// What differs from the pipeline's file.
   [[nodiscard]] const Settings& settings() const;
-  void set_light(std::size_t index, const scene::Light& light, const std::string& gesture = {});
+  bool set_light(std::size_t index, const scene::Light& light, const std::string& gesture = {});
   [[nodiscard]] bool lights_changed() const { return lights_changed_; }
   void end_gesture() { undo_.end_gesture(); }
   [[nodiscard]] bool can_undo() const { return undo_.can_undo(); }
@@ -86,14 +89,14 @@ class Model {
 
   // View and time.
   [[nodiscard]] scene::Camera camera() const;
-  void set_camera(const scene::Camera& camera);
+  bool set_camera(const scene::Camera& camera);
   void reset_camera();
   [[nodiscard]] bool camera_moved() const { return view_.has_value(); }
   [[nodiscard]] glm::ivec2 size() const { return size_; }
   bool resize(glm::ivec2 size);
   [[nodiscard]] bool animated() const { return !setup_->scene.animations.empty(); }
   [[nodiscard]] double time() const { return time_s_; }
-  void set_time(double time_s);
+  bool set_time(double time_s);
   bool playing = false;
   bool continuous = false;  ///< render on though nothing changes
 
@@ -101,6 +104,8 @@ class Model {
   [[nodiscard]] bool frame_due() const;
   /// Renders one frame; `dt_s` moves what plays.
   void frame(double dt_s);
+  /// One frame in which no pass keeps its outputs, for captures.
+  void render_all();
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
   [[nodiscard]] const Profile& profile() const { return profile_; }
   /// Medians for people: made anew a few times a second, since sorting thousands of samples costs more than a window.
@@ -122,6 +127,16 @@ class Model {
   [[nodiscard]] const std::string& inspected() const { return inspected_; }
   /// Null where it is not there.
   [[nodiscard]] const Texture* inspected_texture() const;
+  /// Changes where the texture may have: a pass that keeps its outputs does not count.
+  [[nodiscard]] std::uint64_t inspected_version() const;
+  /// True where the texture is a volume or a field of probes that knows its place in the scene.
+  [[nodiscard]] bool inspects_volume() const;
+  /// That volume, read back; nothing where it is none.
+  [[nodiscard]] std::optional<VolumeSource> inspected_volume() const;
+
+  // For what is drawn into the picture.
+  [[nodiscard]] const scene::GpuScene& gpu_scene() const { return *gpu_scene_; }
+  [[nodiscard]] gpu::CachingDevice& programs() const { return *device_; }
 
   // Hot reload: looks at the files; true where something was reloaded or went wrong.
   bool poll_files();
@@ -141,6 +156,8 @@ class Model {
  private:
   [[nodiscard]] Surroundings surroundings() const { return {*registry_, *device_, facts_}; }
   [[nodiscard]] PipelineRequest request() const;
+  /// Of a pipeline output, an endpoint or a state; graph::none where there is none.
+  [[nodiscard]] int resource_of(const std::string& name) const;
   bool compile();
   bool compile_other();
   bool fail(const Diagnostics& diagnostics);
@@ -178,7 +195,8 @@ class Model {
   std::uint64_t frames_ = 0, frame_index_ = 0;
   std::uint64_t view_version_ = 1;
   int pending_ = 0;
-  std::string inspected_;
+  std::string inspected_, inspected_states_;   ///< endpoints; the second: where its probes stand
+  std::map<std::string, std::uint64_t> made_;  ///< by pass: frames_ when it last made its outputs
   FileWatch watch_;
   std::vector<std::string> plugin_files_;
   std::set<std::string> shader_files_;

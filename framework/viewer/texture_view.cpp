@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/vector_relational.hpp>
+
 #include "core/srgb.h"
 #include "gpu/format.h"
 #include "measure/colormap.h"
@@ -12,33 +14,18 @@ namespace {
 
 constexpr std::uint32_t magenta = 0xffff00ffu;
 
-struct Level {
-  int width, height, depth;
-};
+bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-Level level_of(const TextureDesc& desc, int mip) {
-  const int depth = desc.kind == TextureKind::d3 ? std::max(desc.depth >> mip, 1) : desc.depth;
-  return {std::max(desc.width >> mip, 1), std::max(desc.height >> mip, 1), depth};
+std::uint32_t pack(const glm::vec3& colour) {
+  std::uint32_t packed = 0xff000000u;
+  for (int c = 0; c < 3; ++c)
+    packed |= static_cast<std::uint32_t>((colour[c] > 0 ? std::min(colour[c], 1.F) : 0.F) * 255 + .5F) << (8 * c);
+  return packed;
 }
 
-/// Where in the level pixel (x, y) of the slice lies, row 0 at the top. A volume seen along x shows z to the right and
-/// y upwards; along y, x to the right and z upwards.
-glm::ivec3 position(const TextureDesc& desc, const TextureViewSettings& s, const SliceShape& shape, int x, int y) {
-  const int up = shape.height - 1 - y;
-  if (desc.kind != TextureKind::d3 || s.axis == 2) return {x, up, s.slice};
-  if (s.axis == 0) return {s.slice, up, x};
-  return {x, s.slice, up};
-}
+}  // namespace
 
-const glm::vec4& value_at(const Texels& texels, const Level& level, const glm::ivec3& p) {
-  return texels
-      .values[(static_cast<std::size_t>(p.z) * static_cast<std::size_t>(level.height) + static_cast<std::size_t>(p.y)) *
-                  static_cast<std::size_t>(level.width) +
-              static_cast<std::size_t>(p.x)];
-}
-
-/// The channels that the view shows; a single one stands three times.
-glm::vec3 shown(const glm::vec4& v, Channels channels, int count) {
+glm::vec3 shown_channels(const glm::vec4& v, Channels channels, int count) {
   switch (channels) {
     case Channels::red:
       return glm::vec3(v.r);
@@ -54,15 +41,6 @@ glm::vec3 shown(const glm::vec4& v, Channels channels, int count) {
   return count == 1 ? glm::vec3(v.r) : count == 2 ? glm::vec3(v.r, v.g, 0) : glm::vec3(v);
 }
 
-bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-std::uint32_t pack(const glm::vec3& colour) {
-  std::uint32_t packed = 0xff000000u;
-  for (int c = 0; c < 3; ++c)
-    packed |= static_cast<std::uint32_t>(std::clamp(colour[c], 0.F, 1.F) * 255 + .5F) << (8 * c);
-  return packed;
-}
-
 glm::vec2 percentile_range(std::vector<float>& values, glm::vec2 percent) {
   if (values.empty()) return {0, 1};
   const auto at = [&](float p) {
@@ -75,20 +53,57 @@ glm::vec2 percentile_range(std::vector<float>& values, glm::vec2 percent) {
   return range.y > range.x ? range : glm::vec2(range.x, range.x + 1);
 }
 
-}  // namespace
+std::uint32_t colour_of(const glm::vec3& value, const TextureViewSettings& settings, glm::vec2 range) {
+  const bool negative = settings.flag == Flag::negative && std::min({value.x, value.y, value.z}) < 0;
+  if (settings.flag != Flag::none && (!finite(value) || negative)) return magenta;
+  if (!finite(value)) return pack(glm::vec3(0));
+  glm::vec3 colour = (value - range.x) * (std::exp2(settings.exposure) / (range.y - range.x));
+  if (settings.false_colour) {
+    colour = measure::magma(.2126F * colour.r + .7152F * colour.g + .0722F * colour.b);
+  } else if (settings.encode) {
+    for (int c = 0; c < 3; ++c) colour[c] = linear_to_srgb(std::clamp(colour[c], 0.F, 1.F));
+  }
+  return pack(colour);
+}
+
+TexelBox level_box(const TextureDesc& desc, int mip) {
+  const auto shrink = [mip](int n) { return std::max(n >> mip, 1); };
+  const int depth = desc.kind == TextureKind::d3 ? shrink(desc.depth) : desc.kind == TextureKind::cube ? 6 : desc.depth;
+  return {.size = {shrink(desc.width), shrink(desc.height), depth}};
+}
 
 SliceShape slice_shape(const TextureDesc& desc, int mip, int axis) {
-  const Level level = level_of(desc, mip);
-  if (desc.kind != TextureKind::d3 || axis == 2) return {level.width, level.height, level.depth};
-  if (axis == 0) return {level.depth, level.height, level.width};
-  return {level.width, level.depth, level.height};
+  const glm::ivec3 size = level_box(desc, mip).size;
+  if (desc.kind != TextureKind::d3 || axis == 2) return {size.x, size.y, size.z};
+  if (axis == 0) return {size.z, size.y, size.x};
+  return {size.x, size.z, size.y};
+}
+
+TexelBox slice_box(const TextureDesc& desc, const TextureViewSettings& settings) {
+  TexelBox box = level_box(desc, settings.mip);
+  const int axis = desc.kind == TextureKind::d3 ? settings.axis : 2;
+  box.lower[axis] = settings.slice;
+  box.size[axis] = 1;
+  return box;
+}
+
+glm::ivec3 place_of(const TextureDesc& desc, const TextureViewSettings& settings, int x, int y) {
+  const int up = slice_shape(desc, settings.mip, settings.axis).height - 1 - y;
+  if (desc.kind != TextureKind::d3 || settings.axis == 2) return {x, up, settings.slice};
+  if (settings.axis == 0) return {settings.slice, up, x};
+  return {x, settings.slice, up};
 }
 
 std::optional<glm::vec4> texel_at(const Texels& texels, const TextureViewSettings& settings, int x, int y) {
   const SliceShape shape = slice_shape(texels.desc, texels.mip, settings.axis);
-  if (x < 0 || y < 0 || x >= shape.width || y >= shape.height || settings.slice < 0 || settings.slice >= shape.count)
-    return std::nullopt;
-  return value_at(texels, level_of(texels.desc, texels.mip), position(texels.desc, settings, shape, x, y));
+  if (x < 0 || y < 0 || x >= shape.width || y >= shape.height || settings.mip != texels.mip) return std::nullopt;
+  const TexelBox& box = texels.box;
+  const glm::ivec3 p = place_of(texels.desc, settings, x, y) - box.lower;
+  if (glm::any(glm::lessThan(p, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(p, box.size))) return std::nullopt;
+  return texels
+      .values[(static_cast<std::size_t>(p.z) * static_cast<std::size_t>(box.size.y) + static_cast<std::size_t>(p.y)) *
+                  static_cast<std::size_t>(box.size.x) +
+              static_cast<std::size_t>(p.x)];
 }
 
 TextureView make_view(const Texels& texels, const TextureViewSettings& settings) {
@@ -100,7 +115,8 @@ TextureView make_view(const Texels& texels, const TextureViewSettings& settings)
   pixels.reserve(static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height));
   for (int y = 0; y < shape.height; ++y)
     for (int x = 0; x < shape.width; ++x) {
-      const glm::vec3 pixel = shown(texel_at(texels, settings, x, y).value_or(glm::vec4(0)), settings.channels, count);
+      const glm::vec4 texel = texel_at(texels, settings, x, y).value_or(glm::vec4(0));
+      const glm::vec3 pixel = shown_channels(texel, settings.channels, count);
       pixels.push_back(pixel);
       if (!finite(pixel)) {
         ++view.not_finite;
@@ -111,22 +127,8 @@ TextureView make_view(const Texels& texels, const TextureViewSettings& settings)
       }
     }
   if (settings.percentiles) view.range = percentile_range(values, *settings.percentiles);
-  const float gain = std::exp2(settings.exposure) / (view.range.y - view.range.x);
   view.rgba.reserve(pixels.size());
-  for (const glm::vec3& pixel : pixels) {
-    const bool bad = !finite(pixel) || std::min({pixel.x, pixel.y, pixel.z}) < 0;
-    if (bad && settings.flag) {
-      view.rgba.push_back(magenta);
-      continue;
-    }
-    glm::vec3 colour = (pixel - view.range.x) * gain;
-    if (settings.false_colour) {
-      colour = measure::magma(.2126F * colour.r + .7152F * colour.g + .0722F * colour.b);
-    } else if (settings.encode) {
-      for (int c = 0; c < 3; ++c) colour[c] = linear_to_srgb(std::clamp(colour[c], 0.F, 1.F));
-    }
-    view.rgba.push_back(pack(colour));
-  }
+  for (const glm::vec3& pixel : pixels) view.rgba.push_back(colour_of(pixel, settings, view.range));
   return view;
 }
 

@@ -17,6 +17,8 @@
 namespace loom::viewer {
 
 enum class Channels { rgb, red, green, blue, alpha };
+/// What stands out in magenta: nothing; NaN and infinity; these and what is below zero.
+enum class Flag { none, not_finite, negative };
 
 struct TextureViewSettings {
   int mip = 0;
@@ -28,13 +30,21 @@ struct TextureViewSettings {
   std::optional<glm::vec2> percentiles;
   bool false_colour = false;  ///< one channel (of rgb: luminance) in magma
   bool encode = true;         ///< linear values are sRGB-encoded; display-referred ones are not
-  bool flag = true;           ///< NaN, infinity and negative values in magenta
+  Flag flag = Flag::negative;
+  bool operator==(const TextureViewSettings&) const = default;
 };
 
-/// Texels of one level, as Texture::read() gives them.
+/// A box of one level's texels.
+struct TexelBox {
+  glm::ivec3 lower{0}, size{1};
+  bool operator==(const TexelBox&) const = default;
+};
+
+/// Texels as gpu::read_region() gives them.
 struct Texels {
   TextureDesc desc;
   int mip = 0;
+  TexelBox box;
   std::vector<glm::vec4> values;
 };
 
@@ -50,8 +60,22 @@ struct SliceShape {
   int width = 1, height = 1, count = 1;
 };
 SliceShape slice_shape(const TextureDesc& desc, int mip, int axis);
-/// Texel of a pixel of the view, row 0 at the top; nothing outside.
+/// A whole level, and what of it a slice is made of.
+TexelBox level_box(const TextureDesc& desc, int mip);
+TexelBox slice_box(const TextureDesc& desc, const TextureViewSettings& settings);
+/// Where in the level a pixel of the view lies, row 0 at the top. A volume seen along x shows z to the right and y
+/// upwards; along y, x to the right and z upwards.
+glm::ivec3 place_of(const TextureDesc& desc, const TextureViewSettings& settings, int x, int y);
+/// Texel of a pixel of the view; nothing outside, or where it was not read.
 std::optional<glm::vec4> texel_at(const Texels& texels, const TextureViewSettings& settings, int x, int y);
 TextureView make_view(const Texels& texels, const TextureViewSettings& settings);
+
+// Parts of it, for other pictures of the same values.
+/// The channels that the view shows of `count`; a single one stands three times.
+glm::vec3 shown_channels(const glm::vec4& value, Channels channels, int count);
+/// What becomes black and white; sorts in part.
+glm::vec2 percentile_range(std::vector<float>& values, glm::vec2 percent);
+/// R in the lowest byte.
+std::uint32_t colour_of(const glm::vec3& value, const TextureViewSettings& settings, glm::vec2 range);
 
 }  // namespace loom::viewer

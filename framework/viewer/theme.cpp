@@ -64,8 +64,8 @@ void apply_theme(float scale) {
   set(ImGuiCol_Button, .205F, .22F, .255F);
   set(ImGuiCol_ButtonHovered, .27F, .31F, .37F);
   set(ImGuiCol_ButtonActive, .30F, .40F, .52F);
-  set(ImGuiCol_SliderGrab, .36F, .58F, .80F);
-  set(ImGuiCol_SliderGrabActive, .42F, .70F, .96F);
+  set(ImGuiCol_SliderGrab, .27F, .40F, .54F);
+  set(ImGuiCol_SliderGrabActive, .30F, .50F, .70F);
   set(ImGuiCol_CheckMark, .46F, .74F, .98F);
   set(ImGuiCol_Tab, .15F, .16F, .185F);
   set(ImGuiCol_TabHovered, .27F, .34F, .43F);

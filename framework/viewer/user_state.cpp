@@ -1,7 +1,6 @@
 #include "viewer/user_state.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <span>
@@ -10,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/data_dir.h"
 #include "core/image_io.h"
 #include "loom/diagnostic.h"
 
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 fs::path file() {
-  const std::string dir = state_dir();
+  const std::string dir = made_state_dir();
   return dir.empty() ? fs::path() : fs::path(dir) / "view.json";
 }
 
@@ -50,19 +50,11 @@ UserState parse(const Json& json) {
 
 }  // namespace
 
-std::string state_dir() {
-  fs::path dir;
-  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != '\0') {
-    dir = state;
-  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
-    dir = fs::path(home) / ".local" / "state";
-  } else {
-    return {};
-  }
-  dir /= "lightloom";
+std::string made_state_dir() {
+  const std::string dir = state_dir();
   std::error_code error;
-  fs::create_directories(dir, error);
-  return error ? std::string() : dir.string();
+  if (!dir.empty()) fs::create_directories(dir, error);
+  return error ? std::string() : dir;
 }
 
 UserState load_user_state() {

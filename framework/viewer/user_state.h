@@ -22,8 +22,8 @@ struct UserState {
   std::map<std::string, std::vector<Bookmark>> bookmarks;  ///< by scene path
 };
 
-/// $XDG_STATE_HOME/lightloom, else ~/.local/state/lightloom; made where it is not there. Empty where it cannot be.
-std::string state_dir();
+/// loom::state_dir(), made where it is not there. Empty where it cannot be.
+std::string made_state_dir();
 /// A file that is missing or damaged is as good as none.
 UserState load_user_state();
 void save_user_state(const UserState& state);

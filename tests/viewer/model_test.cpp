@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "support/temp_dir.h"
 #include "viewer/camera_control.h"
 #include "viewer/model.h"
+#include "viewer/volume_overlay.h"
 
 namespace loom::test {
 namespace {
@@ -231,6 +233,135 @@ TEST_F(ViewerModel, LooksAtAnyTexture) {
   EXPECT_THAT(unmade, testing::Not(testing::IsEmpty())) << "somebody reads every member: nothing was tried";
   ASSERT_TRUE(model.open_pipeline(viewer::pipeline_file("gbuffer"))) << "which has other passes";
   EXPECT_FALSE(model.problem().has_errors());
+}
+
+TEST_F(ViewerModel, ATextureIsOldOnlyWhereItsPassRan) {
+  Model model(options());
+  ASSERT_TRUE(model.inspect("gbuffer.surface.normal"));
+  picture(model);
+  const auto version = model.inspected_version();
+  model.set_param("tonemap", "exposure", "1");
+  picture(model);
+  EXPECT_EQ(model.inspected_version(), version) << "the G-buffer is what it was";
+  scene::Camera camera = model.camera();
+  viewer::aim_at_scene(camera, model.box());
+  viewer::orbit(camera, {.2, 0});
+  model.set_camera(camera);
+  picture(model);
+  EXPECT_NE(model.inspected_version(), version);
+}
+
+TEST_F(ViewerModel, KnowsWhatIsNeverNegative) {
+  Model model({.pipeline = "lpv", .set = {{"rsm", "size", "32"}}, .size = small});
+  for (const auto& item : model.inspectables()) {
+    EXPECT_TRUE(item.never_negative || (item.name != "gbuffer.surface.depth" && item.name != "rsm.lights.flux"));
+    EXPECT_TRUE(!item.never_negative || (item.name != "gbuffer.surface.normal" && item.name != "lpv.intensity.red"));
+  }
+  ASSERT_TRUE(model.open_pipeline(viewer::pipeline_file("rsm-denoised")));
+  bool any = false;
+  for (const auto& item : model.inspectables())
+    if (item.name.ends_with("irradiance@prev")) {
+      any = true;
+      EXPECT_TRUE(item.state && item.never_negative);
+      EXPECT_EQ(item.unit, "W/m²");
+    }
+  EXPECT_TRUE(any);
+}
+
+/// Small enough to be quick.
+viewer::Options volume_options(const std::string& pipeline) {
+  viewer::Options options{.pipeline = pipeline, .set = {}, .size = small};
+  if (pipeline == "lpv") options.set = {{"rsm", "size", "32"}, {"inject", "grid", "8"}};
+  if (pipeline == "radiance-field")
+    options.set = {{"rsm", "size", "32"}, {"field", "probes", "3"}, {"field", "bounces", "1"}};
+  if (pipeline == "ray-march") options.set = {{"rsm", "size", "32"}, {"voxelize", "grid", "8"}, {"march", "rays", "1"}};
+  return options;
+}
+
+TEST_F(ViewerModel, EveryVolumeKnowsItsPlace) {
+  for (const char* pipeline : {"lpv", "ray-march", "radiance-field"}) {
+    Model model(volume_options(pipeline));
+    int volumes = 0;
+    for (const auto& item : model.inspectables()) {
+      if (!item.port.starts_with("intensity") && !item.port.starts_with("voxels") && !item.port.starts_with("field"))
+        continue;
+      ASSERT_TRUE(model.inspect(item.name)) << item.name;
+      model.frame(0);
+      ASSERT_TRUE(model.inspects_volume()) << item.name;
+      const auto source = model.inspected_volume();
+      ASSERT_TRUE(source) << item.name;
+      for (int part = 0; part < viewer::part_count(*source); ++part) {
+        const viewer::CellMesh mesh = viewer::make_cells(*source, {.part = part}, {});
+        volumes += mesh.bodies.empty() ? 0 : 1;
+        const float reach = .6F * static_cast<float>(model.box().diagonal());
+        for (const auto& body : mesh.bodies)
+          ASSERT_LT(glm::distance(body.centre, glm::vec3(model.box().centre())), reach) << item.name;
+      }
+    }
+    EXPECT_GE(volumes, 3) << pipeline;
+  }
+}
+
+TEST_F(ViewerModel, CellsAreDrawnAndHiddenBySurfaces) {
+  Model model(volume_options("lpv"));
+  ASSERT_TRUE(model.inspect("lpv.intensity.red"));
+  picture(model);
+  viewer::VolumeOverlay overlay;
+  constexpr glm::ivec2 size{64, 64};
+  const auto drawn = [&](const viewer::VolumeSettings& settings) {
+    overlay.update(model, settings, {}, size);
+    int pixels = 0;
+    if (overlay.picture() != nullptr)
+      for (const glm::vec4& texel : overlay.picture()->read()) pixels += texel.a > 0 ? 1 : 0;
+    return pixels;
+  };
+  EXPECT_EQ(drawn({.on = false}), 0);
+  const int all = drawn({.on = true, .size = .5F});
+  EXPECT_GT(all, 100);
+  EXPECT_GT(drawn({.on = true, .size = 1}), all);
+  EXPECT_THAT(overlay.text_at(model, {2, 2}), testing::IsEmpty());
+  // From behind the wall at the back: only what stands at the wall itself is nearer than it.
+  scene::Camera camera = model.camera();
+  camera.target = model.box().centre();
+  camera.eye = camera.target + glm::dvec3(0, 0, -1.6 * model.box().diagonal());
+  model.set_camera(camera);
+  picture(model);
+  EXPECT_LT(drawn({.on = true, .size = .1F}), all / 10);
+}
+
+TEST_F(ViewerModel, AbsurdInputIsRefused) {
+  Model model(options());
+  const auto first = picture(model);
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {nan, inf, -inf, 1e30}) {
+    scene::Camera camera = model.camera();
+    camera.eye.x = bad;
+    EXPECT_FALSE(model.set_camera(camera)) << bad;
+    scene::Light light = model.setup().scene.lights.at(0);
+    light.position.y = bad;
+    EXPECT_FALSE(model.set_light(0, light)) << bad;
+    light = model.setup().scene.lights.at(0);
+    light.intensity.r = static_cast<float>(bad);
+    EXPECT_FALSE(model.set_light(0, light)) << bad;
+    EXPECT_FALSE(model.set_time(bad)) << bad;
+  }
+  scene::Camera inside = model.camera();
+  inside.target = inside.eye;
+  EXPECT_FALSE(model.set_camera(inside));
+  EXPECT_FALSE(model.set_light(99, {}));
+  for (const char* path : {"", "/", "/dev/null", "/etc/passwd", "x.gltf", "x.glb", "x.json"})
+    EXPECT_FALSE(model.open_any(path)) << path;
+  for (const char* text : {"", "{", "[]", "{}", "null", R"({"asset":{"version":"2.0"},"meshes":3})",
+                           R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[7]}],"nodes":[]})"}) {
+    EXPECT_FALSE(model.open_any(dir().write("bad.gltf", text))) << text;
+    EXPECT_NE(model.open_any(dir().write("bad.json", text)), std::string(text) != "{}") << text;
+  }
+  EXPECT_FALSE(model.save_picture("/nowhere/x.png"));
+  EXPECT_FALSE(model.save_picture("x.txt"));
+  EXPECT_FALSE(model.save_pipeline("/nowhere/x.json"));
+  EXPECT_FALSE(model.can_undo());
+  model.touch();
+  EXPECT_EQ(difference(picture(model), first), 0);
 }
 
 TEST_F(ViewerModel, SavesOnlyWhatDiffers) {

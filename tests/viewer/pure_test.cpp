@@ -26,8 +26,10 @@ using namespace viewer;
 
 constexpr std::uint32_t magenta = 0xffff00ffu;
 
+Texels texels_of(const TextureDesc& desc) { return {.desc = desc, .mip = 0, .box = level_box(desc, 0), .values = {}}; }
+
 TEST(TextureView, FlagsWhatIsNoLight) {
-  Texels texels{.desc = TextureDesc::image({4, 1}, Format::r32f), .values = {}};
+  Texels texels = texels_of(TextureDesc::image({4, 1}, Format::r32f));
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   for (const float v : {nan, inf, -1.F, .5F}) texels.values.emplace_back(v, 0, 0, 1);
   TextureViewSettings settings{.encode = false};
@@ -37,12 +39,15 @@ TEST(TextureView, FlagsWhatIsNoLight) {
   EXPECT_EQ(view.negative, 1u);
   settings.exposure = 1;
   EXPECT_EQ(make_view(texels, settings).rgba[3], 0xffffffffu);
+  settings.flag = Flag::not_finite;
+  EXPECT_EQ(make_view(texels, settings).rgba[2], 0xff000000u) << "a coefficient may be negative";
+  settings.flag = Flag::none;
+  EXPECT_NE(make_view(texels, settings).rgba[0], magenta);
 }
 
 TEST(TextureView, SlicesAVolumeAlongAnyAxis) {
   // The value of a cell is its place: 100 z + 10 y + x.
-  Texels texels{.desc = {.format = Format::r32f, .kind = TextureKind::d3, .width = 4, .height = 3, .depth = 2},
-                .values = {}};
+  Texels texels = texels_of({.format = Format::r32f, .kind = TextureKind::d3, .width = 4, .height = 3, .depth = 2});
   for (int z = 0; z < 2; ++z)
     for (int y = 0; y < 3; ++y)
       for (int x = 0; x < 4; ++x) texels.values.emplace_back(100 * z + 10 * y + x, 0, 0, 1);
@@ -55,10 +60,17 @@ TEST(TextureView, SlicesAVolumeAlongAnyAxis) {
   EXPECT_EQ(slice_shape(texels.desc, 0, 0).count, 4);
   EXPECT_EQ(slice_shape(texels.desc, 1, 2).width, 2);
   EXPECT_FALSE(texel_at(texels, {.slice = 2}, 0, 0)) << "there are two";
+  // A slice that was read alone says the same of its own texels, and nothing of others.
+  const TextureViewSettings side{.slice = 2, .axis = 0};
+  Texels slice{.desc = texels.desc, .mip = 0, .box = slice_box(texels.desc, side), .values = {}};
+  for (int z = 0; z < 2; ++z)
+    for (int y = 0; y < 3; ++y) slice.values.emplace_back(100 * z + 10 * y + 2, 0, 0, 1);
+  EXPECT_EQ(texel_at(slice, side, 1, 0).value().r, 122);
+  EXPECT_FALSE(texel_at(slice, {.slice = 1, .axis = 0}, 1, 0));
 }
 
 TEST(TextureView, PercentilesBecomeBlackAndWhite) {
-  Texels texels{.desc = TextureDesc::image({101, 1}, Format::r32f), .values = {}};
+  Texels texels = texels_of(TextureDesc::image({101, 1}, Format::r32f));
   for (int i = 0; i <= 100; ++i) texels.values.emplace_back(10 + i, 0, 0, 1);
   const TextureView view = make_view(texels, {.percentiles = glm::vec2(10, 90), .encode = false});
   EXPECT_FLOAT_EQ(view.range.x, 20);

@@ -13,7 +13,7 @@ LOOM_API void set_known_state();
 /// Restores, when destroyed, what a frame changes and a program is likely to rely on: program, framebuffers, vertex
 /// array, viewport, the capabilities and functions of set_known_state(). Not restored: textures, samplers, images and
 /// buffers at their binding points.
-class SavedState {
+class LOOM_API SavedState {
  public:
   SavedState();
   ~SavedState();

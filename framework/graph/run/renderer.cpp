@@ -150,6 +150,11 @@ class RendererImpl final : public Renderer {
 
   [[nodiscard]] const Texture* resource(int index) const override { return storage_.texture(index); }
 
+  [[nodiscard]] std::span<const std::byte> bundle_data(int index) const override {
+    const Bundle& bundle = graph_.bundles.at(static_cast<std::size_t>(index));
+    return structs_.data(index, bundle.struct_bytes, bundle.name);
+  }
+
   [[nodiscard]] const Texture* output(std::string_view name) const override {
     const GraphOutput& output = find_output(name);
     return output.resource == none ? nullptr : storage_.texture(output.resource);

@@ -103,7 +103,13 @@ void GraphPanel::follow(const graph::CompiledGraph& graph, ImVec2 room) {
   for (const graph::GraphOutput& output : graph.outputs) key += '\n' + output.name + '=' + output.endpoint;
   if (key == key_) return;
   key_ = key;
-  layout_ = lay_out(graph, node_size, output_size);
+  try {
+    layout_ = lay_out(graph, node_size, output_size);
+    failure_.clear();
+  } catch (const Error& error) {
+    layout_ = {};
+    failure_ = error.what();
+  }
   const float fit =
       std::min((room.x - 20) / std::max(layout_.size.x, 1.F), (room.y - 20) / std::max(layout_.size.y, 1.F));
   zoom_ = std::clamp(fit, .2F, 1.5F);
@@ -126,6 +132,7 @@ void GraphPanel::draw(Ui& ui) {
   if (room.x < 20 || room.y < 20) return;
   const graph::CompiledGraph& graph = ui.model.live().graph();
   follow(graph, room);
+  if (!failure_.empty()) ImGui::TextColored(colour::error, "no layout: %s", failure_.c_str());
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   corner_ = {corner.x, corner.y};
   ImGui::InvisibleButton(

@@ -26,7 +26,7 @@ class GraphPanel {
   void draw_nodes(Ui& ui, bool hovered, bool clicked);
 
   GraphLayout layout_;
-  std::string key_;
+  std::string key_, failure_;  ///< what the layout is of; why there is none
   glm::vec2 shift_{0}, corner_{0};
   float zoom_ = 1;
   bool over_node_ = false;

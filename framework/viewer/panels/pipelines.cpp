@@ -17,6 +17,7 @@ void draw_pipelines(Ui& ui) {
     const bool selected = path == open;
     if (ImGui::Selectable((name + "##" + path).c_str(), selected) && !selected)
       ui.later([&model, path] { model.open_pipeline(path); });
+    ui.note_place(path);
     const bool compared = path == model.compared_path();
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right))
       ui.later([&model, path, compared] { model.compare_with(compared ? std::string() : path); });

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/image_io.h"
+#include "viewer/renderdoc.h"
 #include "viewer/theme.h"
 #include "viewer/ui.h"
 
@@ -72,6 +73,13 @@ void draw_table(const std::vector<graph::PassTimes>& times) {
 
 }  // namespace
 
+void capture_frame(Ui& ui) {
+  ui.later([&ui] {
+    const std::string path = renderdoc_capture([&ui] { ui.model.render_all(); });
+    ui.notice = path.empty() ? "RenderDoc gave no capture" : "captured " + path;
+  });
+}
+
 void ProfilePanel::draw(Ui& ui) {
   const Profile& profile = ui.model.profile();
   if (ImGui::Button("Export trace"))
@@ -80,6 +88,14 @@ void ProfilePanel::draw(Ui& ui) {
       write_file_atomic("trace.json", std::as_bytes(std::span(text)));
       ui.notice = "saved " + std::filesystem::absolute("trace.json").string() + " for chrome://tracing or Perfetto";
     });
+  ImGui::SameLine();
+  const bool attached = renderdoc_attached();
+  ImGui::BeginDisabled(!attached);
+  if (ImGui::Button("Capture")) capture_frame(ui);
+  ImGui::EndDisabled();
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+    ImGui::SetTooltip(attached ? "one frame, all passes, with RenderDoc (F11)"
+                               : "RenderDoc is not attached: start `loom view` from it");
   ImGui::SameLine();
   const graph::FrameTimes& times = ui.model.frame_times();
   ImGui::TextDisabled("frame: %.2f ms GPU, %.2f ms CPU, %.2f ms wall (medians)", times.gpu_median_ms,

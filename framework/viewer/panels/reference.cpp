@@ -1,10 +1,8 @@
 #include "viewer/panels/reference.h"
 
-#include <fmt/core.h>
 #include <imgui.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <span>
@@ -74,48 +72,22 @@ bool ReferencePanel::follow(Ui& ui) {
 
 void ReferencePanel::show(const ReferenceState& state) {
   if (state.radiance.empty()) return;
-  Texels texels{.desc = TextureDesc::image(state.size, Format::rgba32f), .values = {}};
+  Texels texels{.desc = TextureDesc::image(state.size, Format::rgba32f),
+                .mip = 0,
+                .box = {.size = {state.size, 1}},
+                .values = {}};
   // Texels have their bottom row first.
   for (int y = state.size.y - 1; y >= 0; --y)
     for (int x = 0; x < state.size.x; ++x)
       texels.values.emplace_back(state.radiance[static_cast<std::size_t>(y) * static_cast<std::size_t>(state.size.x) +
                                                 static_cast<std::size_t>(x)],
                                  1);
-  upload(truth_, state.size, make_view(texels, {.percentiles = glm::vec2(0, 99), .flag = false}).rgba);
+  upload(truth_, state.size, make_view(texels, {.percentiles = glm::vec2(0, 99), .flag = Flag::none}).rgba);
   if (state.flip.size() != state.radiance.size()) return;
   std::vector<std::uint32_t> heat;
   heat.reserve(state.flip.size());
   for (const float error : state.flip) heat.push_back(packed(measure::magma(error)));
   upload(heat_, state.size, heat);
-}
-
-void ReferencePanel::draw_plot(const std::string& open) const {
-  const ImVec2 room(std::max(ImGui::GetContentRegionAvail().x, 40.F), std::max(ImGui::GetContentRegionAvail().y, 40.F));
-  const ImVec2 corner = ImGui::GetCursorScreenPos();
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  list->AddRectFilled(corner, {corner.x + room.x, corner.y + room.y}, IM_COL32(22, 23, 27, 255));
-  const ImU32 dim = ImGui::GetColorU32(ImGuiCol_TextDisabled);
-  list->AddText({corner.x + 4, corner.y + 2}, dim, "relMSE over GPU ms, both by ratio: lower left is better");
-  if (points_.empty()) return;
-  double left = 1e9, right = 0, low = 1e9, high = 0;
-  for (const MeasuredPoint& p : points_) {
-    left = std::min(left, p.gpu_ms), right = std::max(right, p.gpu_ms);
-    low = std::min(low, p.relmse), high = std::max(high, p.relmse);
-  }
-  // A factor of two around all points, so that a single one stands in the middle.
-  const auto place = [](double v, double from, double to) {
-    return std::log(std::max(v, 1e-9) / (.5 * std::max(from, 1e-9))) /
-           std::log(4 * std::max(to, 1e-9) / std::max(from, 1e-9));
-  };
-  for (const MeasuredPoint& p : points_) {
-    const ImVec2 at(corner.x + room.x * static_cast<float>(place(p.gpu_ms, left, right)),
-                    corner.y + room.y * static_cast<float>(1 - place(p.relmse, low, high)));
-    const bool is_open = p.pipeline == open;
-    list->AddCircleFilled(at, is_open ? 5.F : 3.5F,
-                          ImGui::ColorConvertFloat4ToU32(is_open ? colour::changed : colour::accent));
-    list->AddText({at.x + 8, at.y - 7}, ImGui::GetColorU32(ImGuiCol_Text),
-                  fmt::format("{}  {:.3g} ms  {:.3g}", p.pipeline, p.gpu_ms, p.relmse).c_str());
-  }
 }
 
 void ReferencePanel::draw(Ui& ui) {
@@ -132,11 +104,15 @@ void ReferencePanel::draw(Ui& ui) {
     ImGui::Text("relMSE %.4g   mean ratio %.3f   FLIP %.3f", state_.metrics->relmse, state_.metrics->mean_ratio,
                 state_.metrics->flip.value_or(0));
   }
-  const float height = ImGui::GetContentRegionAvail().y - 2 * ImGui::GetTextLineHeightWithSpacing();
-  if (height < 20 || state_.radiance.empty()) return;
+  plot.draw_controls(ui.model.scene_path(), ui.model.size());
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  if (room.y < 20) return;
+  // The pictures leave the plot room for its labels.
+  const float aspect = state_.size.y > 0 ? static_cast<float>(state_.size.x) / static_cast<float>(state_.size.y) : 1;
+  const float height = std::min(room.y - ImGui::GetTextLineHeightWithSpacing(), .31F * room.x / aspect);
   picture(truth_.get(), height, "reference");
   picture(heat_.get(), height, "FLIP");
-  draw_plot(std::filesystem::path(ui.model.pipeline_path()).stem().string());
+  plot.draw_plot(points_, std::filesystem::path(ui.model.pipeline_path()).stem().string());
 }
 
 }  // namespace loom::viewer

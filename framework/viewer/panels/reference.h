@@ -6,17 +6,12 @@
 #include <vector>
 
 #include "loom/gpu.h"
+#include "viewer/panels/pareto.h"
 #include "viewer/reference_worker.h"
 
 namespace loom::viewer {
 
 struct Ui;
-
-/// What a pipeline came to in the open view: a point of the plot of cost and error.
-struct MeasuredPoint {
-  std::string pipeline;
-  double gpu_ms = 0, relmse = 0;
-};
 
 class ReferencePanel {
  public:
@@ -26,10 +21,10 @@ class ReferencePanel {
   [[nodiscard]] const ReferenceState& state() const { return state_; }
   [[nodiscard]] const std::vector<MeasuredPoint>& points() const { return points_; }
   bool on = false;
+  ParetoPlot plot;
 
  private:
   void show(const ReferenceState& state);
-  void draw_plot(const std::string& open) const;
 
   ReferenceWorker worker_;
   ReferenceState state_;

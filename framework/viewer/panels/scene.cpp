@@ -34,6 +34,7 @@ void draw_camera(Ui& ui) {
   std::vector<Bookmark>& marks = ui.user.bookmarks[model.scene_path()];
   if (ImGui::Button("+ Bookmark"))
     marks.push_back({.name = fmt::format("view {}", marks.size() + 1), .camera = model.camera()});
+  ui.note_place("bookmark");
   for (std::size_t i = 0; i < marks.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::Button(marks[i].name.c_str())) ui.later([&model, mark = marks[i].camera] { model.set_camera(mark); });
@@ -98,7 +99,11 @@ void draw_scene(Ui& ui) {
   if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) draw_camera(ui);
   if (ImGui::CollapsingHeader("Lights", ImGuiTreeNodeFlags_DefaultOpen)) {
     const auto& lights = model.setup().scene.lights;
-    if (lights.empty()) ImGui::TextDisabled("no punctual lights");
+    if (lights.empty()) {
+      ImGui::TextDisabled("no punctual lights");
+    } else {
+      ImGui::Checkbox("handles in the picture (L)", &ui.light_handles.on);
+    }
     for (std::size_t i = 0; i < lights.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
       draw_light(ui, i, lights[i]);

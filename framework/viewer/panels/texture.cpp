@@ -5,12 +5,14 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <span>
 #include <string>
 
 #include "gpu/format.h"
+#include "gpu/read_region.h"
 #include "viewer/theme.h"
 #include "viewer/ui.h"
 
@@ -18,6 +20,8 @@ namespace loom::viewer {
 namespace {
 
 std::string number(float value) { return fmt::format("{:.5g}", value); }
+
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace
 
@@ -41,19 +45,25 @@ void TexturePanel::draw_list(Ui& ui) {
     if (!item.made) ImGui::PopStyleColor();
     if (!item.made && ImGui::IsItemHovered())
       ImGui::SetTooltip("nobody reads it, so it is not made;\nlooking at it makes it");
-    if (selected) unit_ = item.unit;
+    if (selected) begin(item);
   }
 }
 
+void TexturePanel::begin(const Inspectable& item) {
+  if (begun_ == item.name) return;
+  begun_ = item.name;
+  unit_ = item.unit;
+  settings.flag = item.never_negative ? Flag::negative : Flag::not_finite;
+}
+
 void TexturePanel::draw_controls(Ui& ui, const Texture& texture) {
-  const TextureDesc& desc = texture.desc();
-  const TextureViewSettings before = settings;
-  ImGui::PushItemWidth(ImGui::GetFontSize() * 7);
   ImGui::TextColored(colour::accent, "%s", ui.model.inspected().c_str());
   ImGui::SameLine();
-  ImGui::TextDisabled("%s", to_string(desc).c_str());
+  ImGui::TextDisabled("%s", to_string(texture.desc()).c_str());
+  ImGui::PushItemWidth(ImGui::GetFontSize() * 7);
   constexpr const char* channels[] = {"RGB", "R", "G", "B", "A"};
   int channel = static_cast<int>(settings.channels);
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 4);
   if (ImGui::Combo("channels", &channel, channels, 5)) settings.channels = static_cast<Channels>(channel);
   ImGui::SameLine();
   ImGui::SliderFloat("exposure", &settings.exposure, -12, 12, "%.2f stops", ImGuiSliderFlags_AlwaysClamp);
@@ -62,8 +72,19 @@ void TexturePanel::draw_controls(Ui& ui, const Texture& texture) {
   ImGui::SameLine();
   ImGui::Checkbox("false colour", &settings.false_colour);
   ImGui::SameLine();
-  ImGui::Checkbox("flag bad", &settings.flag);
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("NaN, infinity and negative values in magenta");
+  int flag = static_cast<int>(settings.flag);
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 6);
+  if (ImGui::Combo("magenta", &flag, "nothing\0NaN, inf\0+ negative\0")) settings.flag = static_cast<Flag>(flag);
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip(
+        "what stands out: nothing; NaN and infinity; these and negative values,\n"
+        "which is chosen where the quantity cannot be negative");
+  draw_range(texture.desc());
+  if (ui.model.inspects_volume()) draw_volume(ui);
+  ImGui::PopItemWidth();
+}
+
+void TexturePanel::draw_range(const TextureDesc& desc) {
   ImGui::Checkbox("percentiles", &percentile_);
   ImGui::SameLine();
   ImGui::DragFloatRange2("##percent", &percent_.x, &percent_.y, .1F, 0, 100, "%.1f %%", "%.1f %%",
@@ -88,29 +109,63 @@ void TexturePanel::draw_controls(Ui& ui, const Texture& texture) {
     ImGui::SliderInt(desc.kind == TextureKind::d3 ? "slice" : "layer", &settings.slice, 0, shape.count - 1, "%d",
                      ImGuiSliderFlags_AlwaysClamp);
   }
-  ImGui::PopItemWidth();
-  const bool same = before.mip == settings.mip && before.slice == settings.slice && before.axis == settings.axis &&
-                    before.channels == settings.channels && before.exposure == settings.exposure &&
-                    before.percentiles == settings.percentiles && before.false_colour == settings.false_colour &&
-                    before.encode == settings.encode && before.flag == settings.flag;
-  stale_ = stale_ || !same;
 }
 
+void TexturePanel::draw_volume(Ui& ui) {
+  ImGui::Checkbox("in the scene", &volume.on);
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip(
+        "draw its cells at their place: values as cubes, harmonics as lobes, probes as spheres.\n"
+        "Point at one in the picture to read it.");
+  if (!volume.on) return;
+  ImGui::SameLine();
+  ImGui::Checkbox("this slice alone", &volume.one_slice);
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 5);
+  ImGui::SliderFloat("size", &volume.size, .1F, 1, "%.2f", ImGuiSliderFlags_AlwaysClamp);
+  const int parts = ui.overlay.parts();
+  volume.part = std::clamp(volume.part, 0, parts - 1);
+  if (parts > 1) {
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 5);
+    ImGui::SliderInt("part", &volume.part, 0, parts - 1, "%d", ImGuiSliderFlags_AlwaysClamp);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("cascade, axis or side: slabs that lie one behind the other along z");
+  }
+  const CellMesh& mesh = ui.overlay.mesh();
+  ImGui::SameLine();
+  ImGui::TextDisabled("%zu of %zu filled cells", mesh.bodies.size(), mesh.cells);
+}
+
+bool TexturePanel::wants_redraw() const { return put_off_ && now_s() >= next_read_s_; }
+
 void TexturePanel::refresh(Ui& ui, const Texture& texture) {
-  const std::string key = fmt::format("{} {} {}", ui.model.inspected(), texture.name(), settings.mip);
-  if (key != shown_ || frame_ != ui.model.frames()) {
+  const std::string key =
+      fmt::format("{} {} {} {} {}", ui.model.inspected(), texture.name(), settings.mip, settings.axis, settings.slice);
+  const bool other = key != shown_, newer = version_ != ui.model.inspected_version();
+  const double start = now_s();
+  put_off_ = newer && !other && start < next_read_s_;
+  if ((newer || other) && !put_off_) {
     shown_ = key;
-    frame_ = ui.model.frames();
-    texels_ = {.desc = texture.desc(), .mip = settings.mip, .values = texture.read(settings.mip)};
+    version_ = ui.model.inspected_version();
+    const TexelBox box = slice_box(texture.desc(), settings);
+    texels_ = {.desc = texture.desc(),
+               .mip = settings.mip,
+               .box = box,
+               .values = gpu::read_region(texture, settings.mip, box.lower, box.size)};
+    ++reads_;
     stale_ = true;
   }
-  if (!stale_) return;
-  stale_ = false;
-  view_ = make_view(texels_, settings);
-  const glm::ivec2 size(view_.width, view_.height);
-  if (!picture_ || picture_->desc().width != size.x || picture_->desc().height != size.y)
-    picture_ = std::make_unique<Texture>(TextureDesc::image(size, Format::rgba8), "inspector");
-  picture_->write(std::as_bytes(std::span(view_.rgba)));
+  if (stale_ || settings != viewed_) {
+    stale_ = false;
+    viewed_ = settings;
+    view_ = make_view(texels_, settings);
+    const glm::ivec2 size(view_.width, view_.height);
+    if (!picture_ || picture_->desc().width != size.x || picture_->desc().height != size.y)
+      picture_ = std::make_unique<Texture>(TextureDesc::image(size, Format::rgba8), "inspector");
+    picture_->write(std::as_bytes(std::span(view_.rgba)));
+  }
+  const double end = now_s();
+  if (version_ == ui.model.inspected_version() && !put_off_ && end - start > 0) next_read_s_ = end + 9 * (end - start);
 }
 
 void TexturePanel::draw_image() {
@@ -133,8 +188,11 @@ void TexturePanel::draw_image() {
       std::string numbers;
       for (int c = 0; c < gpu::gl_format(texels_.desc.format).channels; ++c)
         numbers += (c == 0 ? "" : ", ") + number((*value)[c]);
-      const std::string unit = unit_.empty() ? "" : " " + unit_;
-      text = fmt::format("({}, {})  {}{}   ", x, view_.height - 1 - y, numbers, unit) + text;
+      const glm::ivec3 p = place_of(texels_.desc, settings, x, y);
+      const std::string place = level_box(texels_.desc, settings.mip).size.z > 1
+                                    ? fmt::format("({}, {}, {})", p.x, p.y, p.z)
+                                    : fmt::format("({}, {})", p.x, p.y);
+      text = fmt::format("{}  {}{}   ", place, numbers, unit_.empty() ? "" : " " + unit_) + text;
     }
   }
   ImGui::TextUnformatted(text.c_str());

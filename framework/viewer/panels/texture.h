@@ -7,7 +7,9 @@
 #include <glm/vec2.hpp>
 
 #include "loom/gpu.h"
+#include "viewer/model.h"
 #include "viewer/texture_view.h"
+#include "viewer/volume_cells.h"
 
 namespace loom::viewer {
 
@@ -18,21 +20,33 @@ class TexturePanel {
   void draw(Ui& ui);
   /// What is shown, for tests.
   [[nodiscard]] const TextureView& view() const { return view_; }
+  /// How often texels were read back.
+  [[nodiscard]] std::uint64_t reads() const { return reads_; }
+  /// True where what is shown is older than what was rendered: a reading was put off, and is due now.
+  [[nodiscard]] bool wants_redraw() const;
   TextureViewSettings settings;
+  VolumeSettings volume;
 
  private:
   void draw_list(Ui& ui);
   void draw_controls(Ui& ui, const Texture& texture);
+  void draw_range(const TextureDesc& desc);
+  void draw_volume(Ui& ui);
   void draw_image();
-  /// Reads the texture where a frame was rendered since, and makes the picture where anything changed.
+  /// Another texture is looked at.
+  void begin(const Inspectable& item);
+  /// Reads the slice that is looked at where its pass made it anew, and makes the picture where anything changed.
+  /// Reading takes at most a tenth of the time: what changes faster is shown later.
   void refresh(Ui& ui, const Texture& texture);
 
   Texels texels_;
   TextureView view_;
   std::unique_ptr<Texture> picture_;
-  std::string shown_;
-  std::uint64_t frame_ = ~std::uint64_t{0};
-  bool stale_ = true;
+  std::string shown_, begun_;
+  std::uint64_t version_ = ~std::uint64_t{0}, reads_ = 0;
+  TextureViewSettings viewed_;
+  double next_read_s_ = 0;
+  bool put_off_ = false, stale_ = true;
   bool percentile_ = false;
   glm::vec2 percent_{1, 99};
   std::string filter_, unit_;

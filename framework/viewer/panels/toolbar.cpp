@@ -51,6 +51,11 @@ void step(Ui& ui) {
 
 }  // namespace
 
+void Ui::note_place(const std::string& name) {
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  places[name] = {.5F * (low.x + high.x), .5F * (low.y + high.y)};
+}
+
 void take_screenshot(Ui& ui, const char* extension) {
   ui.later([&ui, extension] {
     const std::string path = next_file("view", extension);
@@ -165,9 +170,11 @@ void handle_shortcuts(Ui& ui) {
   }
   if (pressed(GLFW_KEY_SPACE)) toggle_play(ui);
   if (ImGui::IsKeyPressed(GLFW_KEY_PERIOD)) step(ui);
+  if (pressed(GLFW_KEY_L)) ui.light_handles.on = !ui.light_handles.on;
   if (pressed(GLFW_KEY_R)) ui.later([&model] { model.reset(); });
   if (pressed(GLFW_KEY_HOME)) ui.later([&model] { model.reset_camera(); });
   if (pressed(GLFW_KEY_F12)) take_screenshot(ui, io.KeyShift ? ".exr" : ".png");
+  if (pressed(GLFW_KEY_F11)) capture_frame(ui);
   constexpr Tab tabs[] = {Tab::graph, Tab::texture, Tab::profile, Tab::reference, Tab::messages};
   for (int i = 0; i < 5; ++i)
     if (pressed(GLFW_KEY_1 + i)) ui.open_tab(tabs[i]);

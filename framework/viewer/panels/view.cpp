@@ -78,6 +78,20 @@ void draw_compared(Ui& ui, ImVec2 at, ImVec2 size) {
   list->AddText({x + grab, at.y + grab}, tone, right.c_str());
 }
 
+/// The inspected volume over the picture, and what the pointer rests on.
+void draw_volume(Ui& ui, bool hovered) {
+  const Texture* bodies = ui.overlay.picture();
+  if (bodies == nullptr) return;
+  const ImVec2 at(ui.picture_at.x, ui.picture_at.y), end(at.x + ui.picture_size.x, at.y + ui.picture_size.y);
+  ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(bodies->name())), at,
+                                       end, {0, 1}, {1, 0});
+  if (!hovered) return;
+  const glm::vec2 mouse(ImGui::GetIO().MousePos.x, ImGui::GetIO().MousePos.y);
+  const glm::vec2 share = (mouse - ui.picture_at) / ui.picture_size;
+  if (const std::string text = ui.overlay.text_at(ui.model, {share.x, 1 - share.y}); !text.empty())
+    ImGui::SetTooltip("%s\n%s", ui.model.inspected().c_str(), text.c_str());
+}
+
 }  // namespace
 
 void draw_view(Ui& ui) {
@@ -91,10 +105,13 @@ void draw_view(Ui& ui) {
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   const ImVec2 at(corner.x + .5F * (room.x - size.x), corner.y + .5F * (room.y - size.y));
   ImGui::SetCursorScreenPos(at);
+  ui.picture_at = {at.x, at.y};
+  ui.picture_size = {size.x, size.y};
   ImGui::InvisibleButton(
       "view", size,
       ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
-  ImGui::SetItemAllowOverlap();  // the handle of the wipe lies over it
+  ImGui::SetItemAllowOverlap();  // the handles of the wipe and of the lights lie over it
+  const bool over = ImGui::IsItemHovered() && !ImGui::IsItemActive();
   std::optional<scene::Camera> camera = dragged(model, size.y);
   if (const auto flying = flown(model, camera.value_or(model.camera()))) camera = flying;
   if (camera) ui.later([&model, moved = *camera] { model.set_camera(moved); });
@@ -109,6 +126,8 @@ void draw_view(Ui& ui) {
   // Row 0 of a texture is the bottom one.
   list->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(image->name())), at, end, {0, 1}, {1, 0});
   draw_compared(ui, at, size);
+  draw_volume(ui, over);
+  ui.light_handles.draw(ui);
 }
 
 }  // namespace loom::viewer
