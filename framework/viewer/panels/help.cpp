@@ -28,7 +28,7 @@ constexpr Line lines[] = {
     {"L", "handles of the lights: drag to move and turn them"},
     {"R", "forget history and accumulated state"},
     {"1 2 3 4 5", "graph, texture, profile, reference, messages"},
-    {"drop a file", "open a .gltf, .glb, run file or pipeline"},
+    {"drop a file", "open a .gltf, .glb, run file, pipeline or report"},
     {"?", "this page"},
 };
 
