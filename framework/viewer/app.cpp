@@ -149,7 +149,7 @@ void App::layout() {
   const ImVec2 room = ImGui::GetContentRegionAvail();
   const float status = ImGui::GetFrameHeightWithSpacing();
   const float height = std::max(room.y - status, 1.F);
-  const float left = std::min(15 * unit, .2F * room.x);
+  const float left = std::min(17 * unit, .2F * room.x);
   const float right = std::min(25 * unit, .3F * room.x);
   const float middle = std::max(room.x - left - right - 2 * ImGui::GetStyle().ItemSpacing.x, 1.F);
 

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec4.hpp>
+#include <glm/vector_relational.hpp>
 
 namespace loom::viewer {
 namespace {
@@ -82,11 +83,19 @@ std::vector<Handle> handles_of(const ScreenView& view, const scene::Light& light
   if (!middle) return {};
   std::vector<Handle> handles = {{HandleKind::centre, *middle, *middle}};
   const double arm = arm_length(view, centre);
+  const auto seen = [&](glm::vec2 at) {
+    return glm::all(glm::greaterThanEqual(at, view.corner)) && glm::all(glm::lessThan(at, view.corner + view.size));
+  };
   const auto add = [&](HandleKind kind, const glm::dvec3& way) {
     if (const auto at = on_screen(view, centre + arm * way)) handles.push_back({kind, *at, *middle});
   };
-  if (light.kind != scene::LightKind::directional)
-    for (const HandleKind kind : {HandleKind::axis_x, HandleKind::axis_y, HandleKind::axis_z}) add(kind, axis_of(kind));
+  if (light.kind != scene::LightKind::directional) {
+    for (const HandleKind kind : {HandleKind::axis_x, HandleKind::axis_y, HandleKind::axis_z}) {
+      // An arm that would leave the picture stands on the other side.
+      const auto tip = on_screen(view, centre + arm * axis_of(kind));
+      add(kind, tip && seen(*tip) ? axis_of(kind) : -axis_of(kind));
+    }
+  }
   if (light.kind != scene::LightKind::point) add(HandleKind::direction, light.direction);
   return handles;
 }

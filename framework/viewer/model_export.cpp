@@ -57,9 +57,8 @@ bool Model::save_pipeline(const std::string& path) {
 }
 
 std::string Model::write_run_file() const {
-  const std::string text =
-      run_file_text(fs::absolute(setup_->scene.path).string(), edits_.lights, setup_->scene.sky, camera(),
-                    setup_->scene.origin);
+  const std::string text = run_file_text(fs::absolute(setup_->scene.path).string(), edits_.lights, setup_->scene.sky,
+                                         camera(), setup_->scene.origin);
   const fs::path path =
       fs::path(made_state_dir()) / ("view-" + std::to_string(std::hash<std::string>{}(text)) + ".json");
   write_file_atomic(path.string(), std::as_bytes(std::span(text)));

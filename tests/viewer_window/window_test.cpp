@@ -1,10 +1,11 @@
 // The inspector as a person meets it: a window, a mouse, keys. Pictures of the window are kept in the build folder,
-// tests/viewer_window/, to be looked at.
+// tests/viewer_window/pictures, to be looked at; with LOOM_UPDATE_EXPECTED=1 those of the documentation are made anew.
 #include <GLFW/glfw3.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -125,7 +126,9 @@ class ViewerWindow : public testing::Test {
   /// Middle of the view, and of a row of the list on the left.
   static constexpr glm::vec2 view{430, 180};
 
-  const fs::path kept_ = LOOM_BINARY_DIR "/tests/viewer_window/pictures";
+  const fs::path kept_ = std::getenv("LOOM_UPDATE_EXPECTED") != nullptr ? LOOM_SOURCE_DIR "/docs/images/inspector"
+                                                                        : LOOM_BINARY_DIR
+                             "/tests/viewer_window/pictures";
   TempDir dir_;
   VirtualDisplay display_;
   std::unique_ptr<App> app_;
@@ -222,7 +225,7 @@ TEST_F(ViewerWindow, SwitchesThroughAllPipelinesByClicks) {
       const int button = row(path).y < 200 ? 4 : 5;
       person_->button(button, true);
       person_->button(button, false);
-      steps(1);
+      steps(2);  // the list moves in the window after the one that hears of it
     }
     person_->move_to(row(path));
     steps(1);
@@ -237,7 +240,7 @@ TEST_F(ViewerWindow, SwitchesThroughAllPipelinesByClicks) {
     for (const glm::vec4& texel : app_->model().live().renderer().read("image").texels)
       ASSERT_TRUE(std::isfinite(texel.r + texel.g + texel.b)) << path;
   }
-  while (app_->model().can_undo()) press("z", "Control_L");
+  while (app_->model().can_undo()) app_->model().undo();
   EXPECT_EQ(app_->model().pipeline_path(), start);
   EXPECT_TRUE(same(picture(), first)) << "undone to the start";
 }
@@ -405,6 +408,8 @@ TEST_F(ViewerWindow, TakesAnythingThatIsTypedAndClicked) {
   const std::vector<std::string> keys = {"a",        "z",      "y",   "s",     "1",        "2",
                                          "3",        "4",      "r",   "Home",  "Escape",   "Return",
                                          "question", "period", "Tab", "minus", "BackSpace"};
+  const std::vector<std::vector<const char*>> numbers = {
+      {"9", "e", "9"}, {"minus", "9", "e", "9", "9"}, {"n", "a", "n"}, {"i", "n", "f"}};
   const std::vector<std::string> modifiers = {"", "", "Control_L", "Shift_L"};
   for (int i = 0; i < 500; ++i) {
     const int what = below(10);
@@ -416,6 +421,17 @@ TEST_F(ViewerWindow, TakesAnythingThatIsTypedAndClicked) {
       person_->move_to({below(window_size.x), below(window_size.y)});
       app_->step(0);
       person_->button(button, false);
+    } else if (what == 6) {
+      // A number in place of a slider.
+      person_->key("Control_L", true);
+      person_->button(1, true);
+      app_->step(0);
+      person_->button(1, false);
+      person_->key("Control_L", false);
+      app_->step(0);
+      for (const char* key : numbers[static_cast<std::size_t>(below(4))]) person_->press(key);
+      app_->step(0);
+      person_->press("Return");
     } else if (what < 9) {
       const std::string modifier = modifiers[static_cast<std::size_t>(below(4))];
       if (!modifier.empty()) person_->key(modifier, true);
@@ -435,6 +451,28 @@ TEST_F(ViewerWindow, TakesAnythingThatIsTypedAndClicked) {
   EXPECT_TRUE(same(picture(), first)) << "the way back leads to the start";
 }
 
+// Not judged, since a machine that does other things, too, would make it fail: docs/inspector.md has the figures.
+TEST_F(ViewerWindow, SaysWhatItCosts) {
+  open({.pipeline = "lpv", .size = glm::ivec2(480, 360)}, {1440, 900});
+  app_->model().inspect("gbuffer.surface.normal");
+  const char* const tabs[] = {"graph", "texture", "profile", "reference", "messages"};
+  for (int tab = 0; tab < 5; ++tab) {
+    press(std::to_string(tab + 1));
+    std::vector<double> thread_ms;
+    const double before = cpu_s();
+    for (int i = 0; i < 30; ++i) {
+      app_->redraw();
+      app_->step(0);
+      thread_ms.push_back(app_->ui_ms());
+    }
+    const double all_ms = 1e3 * (cpu_s() - before) / 30;
+    std::nth_element(thread_ms.begin(), thread_ms.begin() + 15, thread_ms.end());
+    std::printf("%s: %.2f ms CPU a window on the thread that draws (median), %.2f ms with the threads of the driver\n",
+                tabs[tab], thread_ms[15], all_ms);
+    EXPECT_GT(thread_ms[15], 0);
+  }
+}
+
 TEST_F(ViewerWindow, LooksReadable) {
   open({.pipeline = "lpv", .size = glm::ivec2(480, 360)}, {1440, 900});
   press("1");
@@ -445,15 +483,22 @@ TEST_F(ViewerWindow, LooksReadable) {
   app_->ui().texture_panel.settings.percentiles = glm::vec2(1, 99);
   press("2");
   keep("texture");
+  app_->model().set_param("inject", "grid", "12");
+  app_->ui().texture_panel.volume.on = true;
+  app_->redraw();
+  settle();
+  EXPECT_GT(app_->ui().overlay.mesh().bodies.size(), 50u);
+  keep("volume");
+  app_->ui().texture_panel.volume.on = false;
+  app_->model().reset_param("inject", "grid");
+  click(app_->ui().places["scene"]);
+  press("1");
+  press("l");
+  keep("lights");
+  press("l");
   press("3");
   app_->model().continuous = true;
-  double ui_ms = 0;
-  constexpr int frames = 40;
-  for (int i = 0; i < frames; ++i) {
-    app_->step(0);
-    ui_ms += app_->ui_ms() / frames;
-  }
-  std::printf("window: %.2f ms CPU a frame on the thread that draws\n", ui_ms);
+  steps(40);
   app_->model().continuous = false;
   settle();
   keep("profile");
@@ -464,6 +509,7 @@ TEST_F(ViewerWindow, LooksReadable) {
   ASSERT_TRUE(app_->ui().reference_panel.state().metrics.has_value());
   EXPECT_LT(app_->ui().reference_panel.state().metrics->relmse, .2);
   EXPECT_NEAR(app_->ui().reference_panel.state().metrics->mean_ratio, 1, .3);
+  if (const char* report = std::getenv("LOOM_REPORT")) drop(report);
   settle();
   keep("reference");
   app_->model().compare_with(viewer::pipeline_file("direct"));
@@ -475,7 +521,11 @@ TEST_F(ViewerWindow, LooksReadable) {
   press("question", "Shift_L");
   EXPECT_TRUE(app_->ui().show_help);
   keep("help");
-  for (const char* name : {"graph", "texture", "profile", "reference", "wipe", "help"})
+  press("Escape");
+  drop("/nowhere/broken.json");
+  press("5");
+  keep("messages");
+  for (const char* name : {"graph", "texture", "volume", "lights", "profile", "reference", "wipe", "help", "messages"})
     EXPECT_GT(fs::file_size(kept_ / (std::string(name) + ".png")), 20000u);
 }
 

@@ -65,12 +65,12 @@ void draw_light(Ui& ui, std::size_t index, scene::Light light) {
   };
   if (light.kind != scene::LightKind::directional) {
     glm::vec3 position(light.position);
-    after(ImGui::DragFloat3("position", &position.x, .003F * reach, -10 * reach, 10 * reach, "%.3g m"));
+    after(ImGui::DragFloat3("position, m", &position.x, .003F * reach, -10 * reach, 10 * reach, "%.3g"));
     light.position = position;
   }
   if (light.kind != scene::LightKind::point) {
     glm::vec3 direction(light.direction);
-    after(ImGui::SliderFloat3("direction", &direction.x, -1, 1, "%.2f"));
+    after(ImGui::DragFloat3("direction", &direction.x, .01F, -1, 1, "%.2f"));
     if (glm::length(direction) > 1e-3F) light.direction = glm::normalize(glm::dvec3(direction));
   }
   // Intensity and chroma apart, so that both are easy to hold.
@@ -79,7 +79,7 @@ void draw_light(Ui& ui, std::size_t index, scene::Light light) {
   const char* unit = light.kind == scene::LightKind::directional ? "%.4g W/m²" : "%.4g W/sr";
   after(ImGui::DragFloat("intensity", &strength, .01F * std::max(strength, .1F), 0, 1e6F, unit,
                          ImGuiSliderFlags_AlwaysClamp));
-  after(ImGui::ColorEdit3("colour", &tint.x, ImGuiColorEditFlags_Float));
+  after(ImGui::ColorEdit3("colour", &tint.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_NoInputs));
   light.intensity = strength * glm::max(tint, glm::vec3(0));
   ImGui::TreePop();
   if (changed) ui.later([&model, index, light, gesture] { model.set_light(index, light, gesture); });
@@ -94,8 +94,8 @@ void draw_scene(Ui& ui) {
   ImGui::TextUnformatted(model.scene_path().empty() ? "built-in Cornell box" : model.scene_path().c_str());
   ImGui::PopTextWrapPos();
   ImGui::TextDisabled("%zu triangles, %d lights", model.facts().triangles, model.facts().lights());
-  ImGui::TextDisabled("drop a .gltf, .glb or .json to open it");
-  ImGui::PushItemWidth(-ImGui::GetFontSize() * 5);
+  ImGui::TextDisabled("drop a file here to open it");
+  ImGui::PushItemWidth(-ImGui::GetFontSize() * 6);
   if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) draw_camera(ui);
   if (ImGui::CollapsingHeader("Lights", ImGuiTreeNodeFlags_DefaultOpen)) {
     const auto& lights = model.setup().scene.lights;
