@@ -13,6 +13,7 @@ namespace loom::viewer {
 namespace {
 
 constexpr double arm_share = .18;  ///< length of an arm, in heights of the picture at the light's distance
+constexpr double turner = 1.35;    ///< of the arm that turns, in arms: it may lie along one of the others
 
 glm::dvec3 axis_of(HandleKind kind) {
   return kind == HandleKind::axis_x   ? glm::dvec3(1, 0, 0)
@@ -96,7 +97,7 @@ std::vector<Handle> handles_of(const ScreenView& view, const scene::Light& light
       add(kind, tip && seen(*tip) ? axis_of(kind) : -axis_of(kind));
     }
   }
-  if (light.kind != scene::LightKind::point) add(HandleKind::direction, light.direction);
+  if (light.kind != scene::LightKind::point) add(HandleKind::direction, turner * light.direction);
   return handles;
 }
 
@@ -108,7 +109,7 @@ std::optional<scene::Light> dragged_light(const ScreenView& view, const scene::L
   if (kind == HandleKind::direction) {
     // The side of the sphere on which the handle is, so that it follows the pointer.
     const bool behind = glm::dot(light.direction, forward(view)) > 0;
-    const auto way = on_sphere(after, centre, arm_length(view, centre), behind);
+    const auto way = on_sphere(after, centre, turner * arm_length(view, centre), behind);
     if (!way) return std::nullopt;
     result.direction = *way;
     return result;

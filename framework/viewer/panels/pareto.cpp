@@ -55,12 +55,15 @@ void draw_axes(const Area& area) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImU32 line = IM_COL32(44, 47, 54, 255), text = ImGui::GetColorU32(ImGuiCol_TextDisabled);
   const ImVec2 end(area.corner.x + area.size.x, area.corner.y + area.size.y);
+  float taken = area.corner.x;  // labels end where the next may begin
   for (const double ms : area.cost.marks()) {
     const float x = area.at(ms, 1).x;
-    const std::string label = fmt::format("{:.3g} ms", ms);
     list->AddLine({x, area.corner.y}, {x, end.y}, line);
-    list->AddText({std::min(x + 3, end.x - ImGui::CalcTextSize(label.c_str()).x), end.y - ImGui::GetFontSize()}, text,
-                  label.c_str());
+    const std::string label = fmt::format("{:g} ms", std::round(1e6 * ms) / 1e6);
+    const float width = ImGui::CalcTextSize(label.c_str()).x, at = std::min(x + 3, end.x - width);
+    if (at < taken) continue;
+    list->AddText({at, end.y - ImGui::GetFontSize()}, text, label.c_str());
+    taken = at + width + ImGui::GetFontSize();
   }
   for (const double error : area.error.marks()) {
     const float y = area.at(1, error).y;
