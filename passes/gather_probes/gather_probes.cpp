@@ -4,7 +4,8 @@
 //
 // (or the sum over spherical Gaussians, shaders/lib/spherical_gaussians.glsl), over the eight probes around x, w_p =
 // trilinear · backface term · visibility by the moments of the distance that the probe sees (shaders/lib/probes.glsl
-// has the terms, and what is done where all weights vanish).
+// has the terms, and what is done where all weights vanish). With `without` (ScreenSpaceGI's `ended`) the directions
+// for which a near field has answered are left out: A_l Y_lm(n) becomes A_l Y_lm(n) − c_lm.
 #include <string>
 
 #include "loom/plugin.h"
@@ -22,6 +23,7 @@ class GatherProbes final : public Pass {
   void reflect(Ports& ports, const SceneFacts& /*facts*/) override {
     auto surface = ports.in("surface", "Surface").reads("depth").reads("normal").reads("geometric_normal");
     auto field = ports.in("field", "ProbeField").reads("coefficients").reads("moments").reads("state");
+    const auto without = ports.in("without", "Image").optional().reads("image");
     auto irradiance = ports.out("irradiance", "Irradiance");
     if (surface.absent()) return irradiance.absent(surface.why_absent());
     if (field.absent()) return irradiance.absent(field.why_absent());
@@ -32,20 +34,22 @@ class GatherProbes final : public Pass {
     irradiance.attribute("quantity", "irradiance");
     resolution_.declare(ports, channels);
     coefficients_ = field.attribute("coefficients", 9);
+    without_ = !without.absent();
     gaussians_ = field.attribute("basis", "sh") == "sg";
   }
 
   void prepare(Device& device, const Bindings& /*bindings*/) override {
-    resolution_.prepare(
-        device, {.files = {"gather_probes/gather.comp"},
-                 .defines = {{"COEFFICIENTS", std::to_string(coefficients_)}, {"GAUSSIANS", gaussians_ ? "1" : "0"}}});
+    resolution_.prepare(device, {.files = {"gather_probes/gather.comp"},
+                                 .defines = {{"COEFFICIENTS", std::to_string(coefficients_)},
+                                             {"GAUSSIANS", gaussians_ ? "1" : "0"},
+                                             {"WITHOUT", without_ ? "1" : "0"}}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override { resolution_.dispatch(frame, bindings); }
 
  private:
   int coefficients_ = 9;
-  bool gaussians_ = false;
+  bool gaussians_ = false, without_ = false;
   Resolution resolution_;
 };
 

@@ -4,7 +4,9 @@
 //
 // Radiance is track length over volume: light of intensity I crosses a cubic cell of size s on a mean chord ℓ = 2s/3.
 // Exact for isotropic light; light along an axis reads a third low. The volume is read half a cell off the surface, in
-// the finest cascade that holds the point, blended into the next over its border.
+// the finest cascade that holds the point, blended into the next over its border. With `without` (ScreenSpaceGI's
+// `ended`) the directions for which a near field has answered are left out of the integral, which is then always
+// linear.
 #include "loom/plugin.h"
 #include "loom/resolution.h"
 #include "loom/rules.h"
@@ -28,6 +30,8 @@ class GatherVolume final : public Pass {
   void reflect(Ports& ports, const SceneFacts& /*facts*/) override {
     ports.in("surface", "Surface").reads("depth").reads("normal");
     auto volume = ports.in("volume", "ShVolume").reads("red").reads("green").reads("blue");
+    const auto without = ports.in("without", "Image").optional().reads("image");
+    without_ = !without.absent();
     auto irradiance = ports.out("irradiance", "Irradiance").attribute("quantity", std::string("irradiance"));
     if (volume.absent()) return irradiance.absent(volume.why_absent());
     channels_ = rules::channels({volume});
@@ -40,6 +44,7 @@ class GatherVolume final : public Pass {
   void prepare(Device& device, const Bindings& /*bindings*/) override {
     resolution_.prepare(device, {.files = {"gather_volume/gather.comp"},
                                  .defines = {{"CHANNELS", std::to_string(channels_)},
+                                             {"WITHOUT", without_ ? "1" : "0"},
                                              {"NON_NEGATIVE", reconstruction_ == "non-negative" ? "1" : "0"}}});
   }
 
@@ -49,6 +54,7 @@ class GatherVolume final : public Pass {
   std::string reconstruction_ = "linear";
   float blend_ = 2;
   int channels_ = 3;
+  bool without_ = false;
   Resolution resolution_;
 };
 

@@ -7,11 +7,14 @@
 // visibility bitmask: shaders/lib/screen_rays.glsl). L is the picture wired as `radiance`: what surfaces reflect,
 // without what they emit themselves, which AreaLight brings. `o` is the share of rays that ended.
 //
-// Alone (`far` unwired) what the image does not show is dark. On top of a volume method `far` is that method's
-// irradiance: light from within the radius comes from the image and light from beyond from the field, whose share of
-// the directions that the near field has answered is taken out. A ray has one source or the other, so that none is
-// counted twice: where near surfaces send what the field holds, as in a furnace, E is E_far to the last digit. What is
-// approximated is that the field is as bright in the directions taken out as it is on the whole.
+// Alone what the image does not show is dark. On top of a field, light from within the radius comes from the image and
+// light from beyond from the field, less the directions of the rays that have ended. Two forms:
+//   `ended`, the output c_lm = π/N·Σ Y_lm(ω) over those rays, is wired to GatherProbes or GatherVolume as `without`,
+//     E = E_near + Σ L_lm·(A_l Y_lm(n) − c_lm);
+//   `far`, any pass's irradiance, loses their share o, as if the field were as bright there as on the whole,
+//     E = E_near + (1 − o)·E_far.
+// A ray has one source or the other, so that no light is counted twice; in a furnace the second sum is E_far to the last
+// digit. What directions the field's bands cannot tell apart the first cannot either.
 //
 // A ray that meets another side of a piece than the one seen ends as well. `hidden` says what it brings: what the front
 // sends, its share of the far field, or nothing. How many rays left the image or met such a side is the output
@@ -60,11 +63,15 @@ class ScreenSpaceGI final : public Pass {
     const auto far = ports.in("far", "Irradiance").optional().reads("irradiance");
     auto irradiance = ports.out("irradiance", "Irradiance").attribute("quantity", "irradiance");
     auto unknown = ports.out("unknown", "Image").attribute("quantity", "shares of rays");
+    auto ended = ports.out("ended", "Image").attribute("quantity", "transfer");
     if (surface.absent()) {
       unknown.absent(surface.why_absent());
+      ended.absent(surface.why_absent());
       return irradiance.absent(surface.why_absent());
     }
     unknown.texture("image", TextureDesc::image(ports.frame_size(), Format::rgba32f), Access::image_write);
+    ended.texture("image", TextureDesc::layers(ports.frame_size(), 3, Format::rgba32f), Access::image_write);
+    ended.cleared("image");
     if (radiance.absent()) return irradiance.absent(radiance.why_absent());
     const int channels = rules::channels({radiance, far});
     irradiance.texture("irradiance", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
@@ -76,15 +83,25 @@ class ScreenSpaceGI final : public Pass {
 
   void prepare(Device& device, const Bindings& bindings) override {
     light_ = bindings.has("irradiance.irradiance");
-    if (light_)
+    const auto flag = [](bool on) { return on ? "1" : "0"; };
+    const bool unknown = bindings.has("unknown.image");
+    bool ended = bindings.has("ended.image");
+    const Define hidden{"HIDDEN", "HIDDEN_" + hidden_};
+    if (light_) {
+      const bool with_light = ended && resolution_.full();
       resolution_.prepare(device, {.files = {"screen_space_gi/near_light.comp"},
-                                   .defines = {{"FAR", far_ ? "1" : "0"}, {"HIDDEN", "HIDDEN_" + hidden_}}});
-    unknown_ = bindings.has("unknown.image") ? device.program({.files = {"screen_space_gi/unknown.comp"}}) : nullptr;
+                                   .defines = {{"FAR", flag(far_)}, {"ENDED", flag(with_light)}, hidden}});
+      if (with_light) ended = false;
+    }
+    rays_ = nullptr;
+    if (unknown || ended)
+      rays_ = device.program({.files = {"screen_space_gi/rays.comp"},
+                              .defines = {{"UNKNOWN", flag(unknown)}, {"ENDED", flag(ended)}, hidden}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
     if (light_) resolution_.dispatch(frame, bindings);
-    if (unknown_) frame.dispatch(*unknown_, bindings, {frame.size(), 1});
+    if (rays_) frame.dispatch(*rays_, bindings, {frame.size(), 1});
   }
 
  private:
@@ -95,7 +112,7 @@ class ScreenSpaceGI final : public Pass {
   std::string hidden_ = "front";
   bool far_ = false, light_ = false;
   Resolution resolution_;
-  std::shared_ptr<const Program> unknown_;
+  std::shared_ptr<const Program> rays_;  ///< what becomes of them, at every pixel
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // E = π · L_ambient · share of the rays that nothing stops within the radius
 #include "interop/frame.h"
 #define RADIANCE 0
+#define ENDED 0
 #include "lib/screen_rays.glsl"
 
 layout(std140) uniform frame_data { FrameData frame; };

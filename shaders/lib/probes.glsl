@@ -96,19 +96,13 @@ vec4 wider_search(ProbeGrid grid, ivec3 base, vec3 x, vec3 n, float basis[COEFFI
   return sum;
 }
 
-// Irradiance, W/m²: n shading normal, n_g geometric normal. Where none of the eight probes around x is on and sees it,
+// Σ basis·L over the coefficients L around x; n_g: geometric normal. Where none of the eight probes around x is on and sees it,
 // the answer comes from the first that holds: those within two grid steps that see x; the eight, seeing or not; those
 // within two steps, seeing or not; 0.
-vec3 probe_irradiance(ProbeGrid grid, vec3 x, vec3 n, vec3 n_g) {
+vec3 probe_irradiance(ProbeGrid grid, vec3 x, vec3 n_g, float basis[COEFFICIENTS]) {
   vec3 at = clamp((x - grid.lower.xyz) / grid.spacing.xyz, vec3(0), vec3(grid.counts.xyz - 1));
   ivec3 base = clamp(ivec3(floor(at)), ivec3(0), max(grid.counts.xyz - 2, ivec3(0)));
   vec3 f = at - vec3(base);
-  float basis[COEFFICIENTS];
-#if GAUSSIANS
-  sg_irradiance_basis(n, basis);
-#else
-  sh_irradiance_basis(n, basis);
-#endif
   vec4 seen = vec4(0), all = vec4(0);  // Σ w·E, Σ w
   for (int i = 0; i < 8; ++i) {
     ivec3 offset = ivec3(i & 1, (i >> 1) & 1, i >> 2);
@@ -128,5 +122,21 @@ vec3 probe_irradiance(ProbeGrid grid, vec3 x, vec3 n, vec3 n_g) {
   if (seen.w <= least_probe_weight) seen = all;
   if (seen.w <= least_probe_weight) seen = wider_search(grid, base, x, n_g, basis, false);
   return seen.w > 0. ? max(vec3(0), seen.rgb / seen.w) : vec3(0);
+}
+
+// With which coefficients are weighted for the irradiance of a surface with shading normal n.
+void probe_basis(vec3 n, out float basis[COEFFICIENTS]) {
+#if GAUSSIANS
+  sg_irradiance_basis(n, basis);
+#else
+  sh_irradiance_basis(n, basis);
+#endif
+}
+
+// Irradiance, W/m².
+vec3 probe_irradiance(ProbeGrid grid, vec3 x, vec3 n, vec3 n_g) {
+  float basis[COEFFICIENTS];
+  probe_basis(n, basis);
+  return probe_irradiance(grid, x, n_g, basis);
 }
 #endif

@@ -14,12 +14,16 @@
 // ray is stopped once, by the first texel out. It meets the front of the piece, which the camera sees, or another side of
 // it, of which nothing is known. What reaches the border of the image within `radius` is unknown as well.
 //
-// The including file defines RADIANCE (1: vec3 front_radiance(ivec2 texel) says what a front sends, W/(m² sr)).
+// The including file defines RADIANCE (1: vec3 front_radiance(ivec2 texel) says what a front sends, W/(m² sr)) and ENDED (1:
+// spherical harmonics of the rays that end are summed up; hidden_ends says whether those on hidden sides do).
 #ifndef LOOM_LIB_SCREEN_RAYS_GLSL
 #define LOOM_LIB_SCREEN_RAYS_GLSL
 #include "lib/camera.glsl"
 #include "lib/math.glsl"
 #include "lib/sampling.glsl"
+#if ENDED
+#include "lib/sh.glsl"
+#endif
 
 uniform sampler2D surface_depth;
 uniform sampler2D surface_normal;
@@ -38,6 +42,11 @@ struct ScreenRays {
   float under;   // go under the surface's own triangle, as a shading normal may have it: they carry nothing
   vec3 radiance; // sum over the first of what they meet, over all rays, W/(m² sr)
   vec3 behind;   // the same over the second, of the front of what they meet
+#if ENDED
+  // π/N·Σ Y over the rays that end: c00 c1−1 c10 c11, c2−2 c2−1 c20 c21, c22 (lib/sh_bands.glsl). Their irradiance in a
+  // field of radiance coefficients L is Σ L·c.
+  vec4 ended[3];
+#endif
 };
 
 struct ScreenPoint {
@@ -111,6 +120,15 @@ float ray_number(ScreenSlice s, float side, vec2 p) {
   float number = theta <= s.low ? 0. : theta >= s.high ? 32. : (integral - s.first) * s.scale;
   return number - s.jitter;
 }
+
+#if ENDED
+// `weight` times the basis in a unit direction.
+void add_ended(vec3 w, float weight, inout ScreenRays sums) {
+  sums.ended[0] += weight * sh2_basis(w);
+  sums.ended[1] += weight * vec4(1.092548 * w.x * w.y, 1.092548 * w.y * w.z, .315392 * (3. * w.z * w.z - 1.), 1.092548 * w.x * w.z);
+  sums.ended[2].x += weight * .546274 * (w.x * w.x - w.y * w.y);
+}
+#endif
 
 uint rays_between(float a, float b) {
   int from = clamp(int(ceil(min(a, b))), 0, 32), to = clamp(int(ceil(max(a, b))), 0, 32);
@@ -245,6 +263,12 @@ void walk_side(Camera camera, ScreenPoint x, ScreenSlice s, float side, float wi
           float met = float(bitCount(front)), missed = float(bitCount(whole & ~front));
           sums.front += s.weight * met;
           sums.hidden += s.weight * missed;
+#if ENDED
+          // All of the piece's rays are taken to run to its middle, as it is seen from x.
+          vec2 middle_ray = normalize(normalize(a) + normalize(b));
+          float ends = met + (hidden_ends ? missed : 0.);
+          add_ended(middle_ray.x * across + middle_ray.y * x.v, s.weight * ends, sums);
+#endif
 #if RADIANCE
           vec3 radiance = front_radiance(texel);
           sums.radiance += s.weight * met * radiance;
@@ -267,7 +291,12 @@ void walk_side(Camera camera, ScreenPoint x, ScreenSlice s, float side, float wi
 
 // `sequence`: sub-pixel samples of one pixel continue one sequence.
 ScreenRays screen_rays(Camera camera, ScreenPoint x, uint seed, uint sequence) {
-  ScreenRays sums = ScreenRays(0., 0., 0., 0., vec3(0), vec3(0));
+  ScreenRays sums;
+  sums.front = sums.hidden = sums.outside = sums.under = 0.;
+  sums.radiance = sums.behind = vec3(0);
+#if ENDED
+  sums.ended[0] = sums.ended[1] = sums.ended[2] = vec4(0);
+#endif
   mat3 basis = orthonormal_basis(x.v);
   float turn = fract(to_unit(hash(uvec4(seed, 1u, 0u, 0u)).x) + to_unit(bitfieldReverse(sequence)));
   uint jitter_seed = hash(uvec4(seed, 2u, 0u, 0u)).x;
@@ -283,7 +312,15 @@ ScreenRays screen_rays(Camera camera, ScreenPoint x, uint seed, uint sequence) {
     weights += s.weight;
   }
   float scale = 1. / (32. * max(weights, 1e-6));
-  return ScreenRays(scale * sums.front, scale * sums.hidden, scale * sums.outside, scale * sums.under,
-                    scale * sums.radiance, scale * sums.behind);
+  sums.front *= scale;
+  sums.hidden *= scale;
+  sums.outside *= scale;
+  sums.under *= scale;
+  sums.radiance *= scale;
+  sums.behind *= scale;
+#if ENDED
+  for (int i = 0; i < 3; ++i) sums.ended[i] *= pi * scale;
+#endif
+  return sums;
 }
 #endif

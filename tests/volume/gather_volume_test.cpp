@@ -69,6 +69,44 @@ TEST_F(GatherVolumeTest, AUniformFieldIsPiTimesRadiance) {
   }
 }
 
+// Σ L·(cosine lobe − c): with c a share of the lobe itself, that share of all light, whatever the field.
+TEST_F(GatherVolumeTest, DirectionsThatANearFieldHasAnsweredAreLeftOut) {
+  const glm::vec3 n{.6F, 0, .8F};
+  Field field(4);
+  field.red.assign(field.red.size(), {5, .7F, -.9F, 1.3F});
+  add_source(field);
+  add_plane({2, 2, 2}, .2F, n);
+  float share = 0;
+  add_pass(registry_, "Ended", [&] {
+    return PassFunctions{.reflect =
+                             [](Ports& ports) {
+                               ports.out("ended", "Image")
+                                   .texture("image", TextureDesc::layers(ports.frame_size(), 3, Format::rgba32f),
+                                            Access::image_write);
+                             },
+                         .execute =
+                             [&](Frame&, const Bindings& io) {
+                               // unit_lobe() is the clamped cosine over π.
+                               const auto s = share * static_cast<float>(pi);
+                               io.texture("ended.image").clear(s * unit_lobe(n));
+                             }};
+  });
+  const auto e = [&](const std::string& without) {
+    const auto renderer = make(R"({"passes": {
+      "source": {"type": "Source"}, "plane": {"type": "Plane"}, "ended": {"type": "Ended"},
+      "bounce": {"type": "GatherVolume", "in": {"surface": "plane.surface", "volume": "source.flux")" +
+                               without + R"(}}}, "outputs": {"image": "bounce.irradiance"}})");
+    frame(*renderer);
+    return renderer->read("image").texels[0].r;
+  };
+  const float all = e("");
+  ASSERT_GT(all, 1);
+  for (const float taken : {0.F, .25F, 1.F}) {
+    share = taken;
+    EXPECT_NEAR(e(R"(, "without": "ended.ended")"), (1 - taken) * all, 1e-5 * all) << taken;
+  }
+}
+
 /// Three nested grids of 8³ cells of 1, 2 and 4 m about the point (8, 8, 8), each with a uniform field.
 Field nested(double finest, double middle, double coarsest) {
   Field field(8, 3);

@@ -25,6 +25,7 @@ namespace loom {
 class LOOM_API Resolution {
  public:
   void params(Params& p);
+  [[nodiscard]] bool full() const { return resolution_ == 1; }
   /// Declares the scratch texture `coarse` where the size is a part of the frame's. The pass reads depth and normal of
   /// its input `surface`, and has an output `irradiance`. `parts`: dispatches that the samples of a pixel are shared
   /// out over (loom/rounds.h); the shader asks lib/parts.glsl for its share.
