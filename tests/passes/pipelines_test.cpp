@@ -86,8 +86,8 @@ INSTANTIATE_TEST_SUITE_P(Shipped, Pipelines,
                                            "lpv-surface", "lpv-voxel", "ray-march-fast", "ray-march-probes-fast",
                                            "cone-trace-fast", "radiance-field-fast", "radiance-field-voxel-fast",
                                            "screen-space-fast", "ambient-occlusion-fast", "lpv-near-fast",
-                                           "instant-radiosity-fast", "instant-radiosity-voxel", "prt-fast",
-                                           "visibility-field", "gbuffer"),
+                                           "radiance-field-near-fast", "instant-radiosity-fast",
+                                           "instant-radiosity-voxel", "prt-fast", "visibility-field", "gbuffer"),
                          [](const auto& parameter) {
                            std::string name = parameter.param;
                            std::replace(name.begin(), name.end(), '-', '_');
