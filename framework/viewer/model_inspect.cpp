@@ -21,7 +21,7 @@ constexpr std::string_view last_frame = "@prev";
 /// Quantities that are never below zero. Of all others (harmonics, normals, offsets, what a plugin brings) it is not
 /// known.
 bool never_negative(std::string_view type, std::string_view member) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 18> quantities = {{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 17> quantities = {{
       {"Surface", "depth"},
       {"Surface", "albedo"},
       {"Surface", "emission"},
@@ -39,7 +39,6 @@ bool never_negative(std::string_view type, std::string_view member) {
       {"ProbeField", "moments"},
       {"Irradiance", "irradiance"},
       {"Image", "image"},
-      {"ProbeField", "irradiance"},
   }};
   return std::find(quantities.begin(), quantities.end(), std::pair(type, member)) != quantities.end();
 }

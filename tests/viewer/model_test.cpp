@@ -320,13 +320,20 @@ TEST_F(ViewerModel, CellsAreDrawnAndHiddenBySurfaces) {
   EXPECT_GT(all, 100);
   EXPECT_GT(drawn({.on = true, .size = 1}), all);
   EXPECT_THAT(overlay.text_at(model, {2, 2}), testing::IsEmpty());
-  // From behind the wall at the back: only what stands at the wall itself is nearer than it.
+  // A slice in the middle of the box: seen through its open side, hidden by the wall at its back.
+  const auto middle = [&] {
+    overlay.update(model, {.on = true, .size = .5F, .one_slice = true}, {.slice = 4, .axis = 2}, size);
+    int pixels = 0;
+    for (const glm::vec4& texel : overlay.picture()->read()) pixels += texel.a > 0 ? 1 : 0;
+    return pixels;
+  };
+  EXPECT_GT(middle(), 20);
   scene::Camera camera = model.camera();
   camera.target = model.box().centre();
-  camera.eye = camera.target + glm::dvec3(0, 0, -1.6 * model.box().diagonal());
+  camera.eye.z = 2 * camera.target.z - camera.eye.z;
   model.set_camera(camera);
   picture(model);
-  EXPECT_LT(drawn({.on = true, .size = .1F}), all / 10);
+  EXPECT_EQ(middle(), 0);
 }
 
 TEST_F(ViewerModel, AbsurdInputIsRefused) {

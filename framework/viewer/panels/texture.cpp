@@ -85,11 +85,12 @@ void TexturePanel::draw_controls(Ui& ui, const Texture& texture) {
 }
 
 void TexturePanel::draw_range(const TextureDesc& desc) {
-  ImGui::Checkbox("percentiles", &percentile_);
+  bool percentiles = settings.percentiles.has_value();
+  ImGui::Checkbox("percentiles", &percentiles);
   ImGui::SameLine();
   ImGui::DragFloatRange2("##percent", &percent_.x, &percent_.y, .1F, 0, 100, "%.1f %%", "%.1f %%",
                          ImGuiSliderFlags_AlwaysClamp);
-  settings.percentiles = percentile_ ? std::optional(percent_) : std::nullopt;
+  settings.percentiles = percentiles ? std::optional(percent_) : std::nullopt;
   if (desc.kind == TextureKind::d3) {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(ImGui::GetFontSize() * 4);

@@ -47,7 +47,6 @@ class TexturePanel {
   TextureViewSettings viewed_;
   double next_read_s_ = 0;
   bool put_off_ = false, stale_ = true;
-  bool percentile_ = false;
   glm::vec2 percent_{1, 99};
   std::string filter_, unit_;
 };
