@@ -19,7 +19,8 @@ bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y
 std::uint32_t pack(const glm::vec3& colour) {
   std::uint32_t packed = 0xff000000u;
   for (int c = 0; c < 3; ++c)
-    packed |= static_cast<std::uint32_t>((colour[c] > 0 ? std::min(colour[c], 1.F) : 0.F) * 255 + .5F) << (8 * c);
+    packed |= static_cast<std::uint32_t>(std::lround((colour[c] > 0 ? std::min(colour[c], 1.F) : 0.F) * 255))
+              << (8 * c);
   return packed;
 }
 

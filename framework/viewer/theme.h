@@ -2,7 +2,17 @@
 // Colours, spacing and font of the inspector.
 #include <imgui.h>
 
+#include <bit>
+#include <cstdint>
+
+#include "loom/gpu.h"
+
 namespace loom::viewer {
+
+/// As the backend for OpenGL reads it: the texture's name in the place of a pointer.
+inline ImTextureID image_of(const Texture& texture) {
+  return std::bit_cast<ImTextureID>(static_cast<std::uintptr_t>(texture.name()));
+}
 
 /// `scale`: pixels a point. Call once, before the first frame.
 void apply_theme(float scale);

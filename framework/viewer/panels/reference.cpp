@@ -32,7 +32,7 @@ void picture(const Texture* texture, float height, const char* title) {
   const float width = height * static_cast<float>(texture->desc().width) / static_cast<float>(texture->desc().height);
   ImGui::BeginGroup();
   ImGui::TextDisabled("%s", title);
-  ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture->name())), {width, height});
+  ImGui::Image(image_of(*texture), {width, height});
   ImGui::EndGroup();
   ImGui::SameLine();
 }

@@ -178,7 +178,7 @@ void TexturePanel::draw_image() {
   if (fit > 1) fit = std::floor(fit);
   const ImVec2 size(fit * static_cast<float>(view_.width), fit * static_cast<float>(view_.height));
   const ImVec2 corner = ImGui::GetCursorScreenPos();
-  ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(picture_->name())), size);
+  ImGui::Image(image_of(*picture_), size);
   std::string text = fmt::format("shown {} … {}", number(view_.range.x), number(view_.range.y));
   if (view_.not_finite > 0) text += fmt::format("   {} not finite", view_.not_finite);
   if (view_.negative > 0) text += fmt::format("   {} negative", view_.negative);

@@ -63,8 +63,7 @@ void draw_compared(Ui& ui, ImVec2 at, ImVec2 size) {
   if (image == nullptr) return;
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float x = at.x + ui.wipe * size.x;
-  list->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(image->name())), {x, at.y},
-                 {at.x + size.x, at.y + size.y}, {ui.wipe, 1}, {1, 0});
+  list->AddImage(image_of(*image), {x, at.y}, {at.x + size.x, at.y + size.y}, {ui.wipe, 1}, {1, 0});
   const float grab = .5F * ImGui::GetFontSize();
   ImGui::SetCursorScreenPos({x - grab, at.y});
   ImGui::InvisibleButton("wipe", {2 * grab, size.y});
@@ -83,8 +82,7 @@ void draw_volume(Ui& ui, bool hovered) {
   const Texture* bodies = ui.overlay.picture();
   if (bodies == nullptr) return;
   const ImVec2 at(ui.picture_at.x, ui.picture_at.y), end(at.x + ui.picture_size.x, at.y + ui.picture_size.y);
-  ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(bodies->name())), at,
-                                       end, {0, 1}, {1, 0});
+  ImGui::GetWindowDrawList()->AddImage(image_of(*bodies), at, end, {0, 1}, {1, 0});
   if (!hovered) return;
   const glm::vec2 mouse(ImGui::GetIO().MousePos.x, ImGui::GetIO().MousePos.y);
   const glm::vec2 share = (mouse - ui.picture_at) / ui.picture_size;
@@ -124,7 +122,7 @@ void draw_view(Ui& ui) {
     return;
   }
   // Row 0 of a texture is the bottom one.
-  list->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(image->name())), at, end, {0, 1}, {1, 0});
+  list->AddImage(image_of(*image), at, end, {0, 1}, {1, 0});
   draw_compared(ui, at, size);
   draw_volume(ui, over);
   ui.light_handles.draw(ui);
