@@ -16,11 +16,6 @@
 namespace loom::viewer {
 namespace {
 
-std::uint32_t packed(const glm::vec3& c) {
-  return 0xff000000u | static_cast<std::uint32_t>(c.r * 255 + .5F) | static_cast<std::uint32_t>(c.g * 255 + .5F) << 8 |
-         static_cast<std::uint32_t>(c.b * 255 + .5F) << 16;
-}
-
 void upload(std::unique_ptr<Texture>& texture, glm::ivec2 size, const std::vector<std::uint32_t>& rgba) {
   if (!texture || texture->desc().width != size.x || texture->desc().height != size.y)
     texture = std::make_unique<Texture>(TextureDesc::image(size, Format::rgba8), "reference");
@@ -86,7 +81,7 @@ void ReferencePanel::show(const ReferenceState& state) {
   if (state.flip.size() != state.radiance.size()) return;
   std::vector<std::uint32_t> heat;
   heat.reserve(state.flip.size());
-  for (const float error : state.flip) heat.push_back(packed(measure::magma(error)));
+  for (const float error : state.flip) heat.push_back(colour_of(measure::magma(error), {.encode = false}, {0, 1}));
   upload(heat_, state.size, heat);
 }
 

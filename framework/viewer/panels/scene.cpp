@@ -18,7 +18,7 @@ void draw_camera(Ui& ui) {
   Model& model = ui.model;
   scene::Camera camera = model.camera();
   glm::vec3 eye(camera.eye), target(camera.target);
-  float degrees = static_cast<float>(glm::degrees(camera.yfov_rad));
+  auto degrees = static_cast<float>(glm::degrees(camera.yfov_rad));
   bool moved = ImGui::DragFloat3("eye", &eye.x, .01F, 0, 0, "%.3g");
   moved = ImGui::DragFloat3("target", &target.x, .01F, 0, 0, "%.3g") || moved;
   moved = ImGui::SliderFloat("field", &degrees, 1, 150, "%.3g°", ImGuiSliderFlags_AlwaysClamp) || moved;
