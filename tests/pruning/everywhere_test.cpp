@@ -16,6 +16,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "loom/rules.h"
+#include "picture_distance.h"
 #include "scene/load.h"
 #include "support/bench.h"
 
@@ -87,18 +88,6 @@ const std::map<std::string, double, std::less<>>& bounds() {
   static const std::map<std::string, double, std::less<>> all = {
       {"bounces", rules::bounces_threshold}, {"iterations", .02}, {"achromatic", 0}};
   return all;
-}
-
-double distance(const Texels& a, const Texels& b) {
-  double difference = 0, square = 0;
-  for (std::size_t i = 0; i < a.values.size(); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      const double x = a.values[i][c], y = b.values[i][c];
-      difference += (x - y) * (x - y);
-      square += y * y;
-    }
-  }
-  return square > 0 ? std::sqrt(difference / square) : std::sqrt(difference);
 }
 
 class Everywhere : public GlTest {

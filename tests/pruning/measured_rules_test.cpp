@@ -1,7 +1,6 @@
 // What `loom analyse` measures changes plans: how far the rules that go by it move the picture.
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,25 +10,13 @@
 #include <glm/vec4.hpp>
 
 #include "loom/rules.h"
+#include "picture_distance.h"
 #include "reference/analysis.h"
 #include "support/bench.h"
 #include "support/scene_builders.h"
 
 namespace loom::test {
 namespace {
-
-/// Root of the mean square of a − b, over that of b.
-double distance(const Texels& a, const Texels& b) {
-  double difference = 0, square = 0;
-  for (std::size_t i = 0; i < a.values.size(); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      const double x = a.values[i][c], y = b.values[i][c];
-      difference += (x - y) * (x - y);
-      square += y * y;
-    }
-  }
-  return std::sqrt(difference / square);
-}
 
 class MeasuredRules : public GlTest {
  protected:
