@@ -7,7 +7,8 @@
 
 namespace loom::cli {
 
-/// Adds the facts to a document, one member each. `origin`: Scene::origin; positions are shown in the file's coordinates.
+/// Adds the facts to a document, one member each. `origin`: Scene::origin; positions are shown in the file's
+/// coordinates.
 void add_facts(Json& document, const SceneFacts& facts, const glm::dvec3& origin);
 void print_facts(const SceneFacts& facts, const glm::dvec3& origin);
 
