@@ -47,6 +47,10 @@ class Lpv final : public Pass {
               .doc = "shares of the faces between cells, or a function of direction at their corners, which leaks"});
     p.choice("method", method_, {"compute", "fragment"},
              {.cost = Cost::graph, .doc = "shader stage that propagates; the results agree bit for bit"});
+    p.choice("storage", storage_, {"fp32", "fp16"},
+             {.cost = Cost::graph,
+              .doc = "of what travels and of `intensity`; `fp16`: half the memory, 11 bits, and at most 65504 W/sr a "
+                     "coefficient. Sums over steps stay in fp32: in halves they would stop growing"});
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
@@ -71,13 +75,17 @@ class Lpv final : public Pass {
       return ports.error("lpv-grids", "flux and blockers are on different grids", "give both passes the same cells");
     }
     intensity.attribute("cascades", cascades_).attribute("channels", channels_);
+    const Format stored = storage_ == "fp16" ? Format::rgba16f : Format::rgba32f;
     for (int i = 0; i < channels_; ++i) {
-      intensity.texture(channels[static_cast<std::size_t>(i)], *red, Access::image_write);
+      TextureDesc desc = *red;
+      desc.format = stored;
+      intensity.texture(channels[static_cast<std::size_t>(i)], desc, Access::image_write);
     }
 
     const Access written = method_ == "fragment" ? Access::color : Access::image_read_write;
+    for (const char* name : {"front0", "front1"}) ports.scratch(name, volume(stored, channels_), written);
     const TextureDesc state = volume(Format::rgba32f, channels_);
-    for (const char* name : {"front0", "front1", "sum"}) ports.scratch(name, state, written);
+    ports.scratch("sum", state, written);
     if (blocked_) {
       ports.scratch("blocked", state, written);
       ports.scratch("open", volume(Format::rgba32ui, 1), Access::image_read_write);
@@ -97,13 +105,14 @@ class Lpv final : public Pass {
   void prepare(Device& device, const Bindings& bindings) override {
     const std::string file = method_ == "fragment" ? "lpv/stage.frag" : "lpv/stage.comp";
     const std::string row = cells_.x > 16 ? "32" : cells_.x > 8 ? "16" : "8";
-    const std::string count = std::to_string(channels_);
+    const std::string count = std::to_string(channels_), half = storage_ == "fp16" ? "1" : "0";
     const auto stage = [&](const char* name, const char* from, const char* to) {
       return device.program({.files = {file},
                              .defines = {{"CHANNELS", count},
                                          {"FLUX_CHANNELS", std::to_string(flux_channels_)},
                                          {"STAGE", name},
                                          {"BLOCKERS", blocked_ ? "1" : "0"},
+                                         {"HALF", half},
                                          {"FROM", from},
                                          {"TO", to},
                                          {"ROW", row}}});
@@ -116,8 +125,9 @@ class Lpv final : public Pass {
                                .defines = {{"CHANNELS", count}, {"DIRECTIONAL", blockers_ == "sh" ? "1" : "0"}}});
     }
     const auto made = [&](const std::string& channel) { return bindings.has("intensity." + channel) ? "1" : "0"; };
-    resolve_ = device.program({.files = {"lpv/resolve.comp"},
-                               .defines = {{"RED", made("red")}, {"GREEN", made("green")}, {"BLUE", made("blue")}}});
+    resolve_ = device.program(
+        {.files = {"lpv/resolve.comp"},
+         .defines = {{"RED", made("red")}, {"GREEN", made("green")}, {"BLUE", made("blue")}, {"HALF", half}}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -196,7 +206,7 @@ class Lpv final : public Pass {
 
   int iterations_ = 16, bounces_ = 1;
   int most_iterations_ = 0, most_bounces_ = 1;  ///< that this grid and this scene take
-  std::string method_ = "compute", blockers_ = "faces";
+  std::string method_ = "compute", blockers_ = "faces", storage_ = "fp32";
   glm::ivec3 cells_{1};
   int cascades_ = 1, channels_ = 3, flux_channels_ = 3;
   bool blocked_ = false;

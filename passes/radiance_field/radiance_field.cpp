@@ -116,6 +116,10 @@ class RadianceField final : public Pass {
                    "is moved out, by half a grid step at most, or switched off"});
     p.integer("budget", budget_,
               {.min = 0, .max = 1 << 18, .unit = "probes", .cost = graph, .doc = "renewed in each frame; 0 = all"});
+    p.choice(
+        "storage", storage_, {"fp32", "fp16"},
+        {.cost = graph,
+         .doc = "of the coefficients that GatherProbes reads; `fp16`: half the memory, 11 bits, and at most 65504"});
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
@@ -145,10 +149,10 @@ class RadianceField final : public Pass {
     decide_sleep(ports, readers);
     if (!declare_storage(ports)) return;
     const glm::ivec3 counts(grid_.counts);
-    field.texture(
-        "coefficients",
-        TextureDesc::layers({counts.x * grid_.counts.w, counts.y}, counts.z, Format::rgba32f).with_channels(channels),
-        Access::image_write);
+    const Format stored = storage_ == "fp16" ? Format::rgba16f : Format::rgba32f;
+    field.texture("coefficients",
+                  TextureDesc::layers({counts.x * grid_.counts.w, counts.y}, counts.z, stored).with_channels(channels),
+                  Access::image_write);
     field.texture("moments", TextureDesc::layers({counts.x * moments_, counts.y * moments_}, counts.z, Format::rg32f),
                   Access::image_write);
     field.texture(
@@ -209,7 +213,8 @@ class RadianceField final : public Pass {
     const auto made = [&](const char* member) { return bindings.has(member) ? "1" : "0"; };
     resolve_ = program({"radiance_field/resolve.comp"}, {{"COEFFICIENTS_OUT", made("field.coefficients")},
                                                          {"MOMENTS_OUT", made("field.moments")},
-                                                         {"STATE_OUT", made("field.state")}});
+                                                         {"STATE_OUT", made("field.state")},
+                                                         {"HALF", storage_ == "fp16" ? "1" : "0"}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -429,7 +434,7 @@ class RadianceField final : public Pass {
   float inset_ = .1f;
   int face_size_ = 8;
   int order_ = 2;
-  std::string basis_ = "sh";
+  std::string basis_ = "sh", storage_ = "fp32";
   int bounces_ = 6;
   int moments_ = 8;
   float behind_ = .2f;

@@ -42,6 +42,7 @@ class Radiosity final : public Pass {
     const TextureDesc* radiance = voxels.texture("radiance");
     if (voxels.absent()) return light.absent(voxels.why_absent());
     if (radiance == nullptr) return light.absent("the voxels carry no radiance");
+    half_ = radiance->format == Format::rgba16f || radiance->format == Format::r16f;
     grey_ = voxels.attribute("channels", 3) == 1;
     light.attribute("channels", grey_ ? 1 : 3);
     light.texture("radiance", *radiance, Access::image_read_write).needed("radiance");
@@ -60,7 +61,8 @@ class Radiosity final : public Pass {
 
   void prepare(Device& device, const Bindings& /*bindings*/) override {
     const auto program = [&](const char* file, const char* source, const char* target) {
-      return device.program({.files = {file}, .defines = {{"SOURCE", source}, {"TARGET", target}}});
+      return device.program(
+          {.files = {file}, .defines = {{"SOURCE", source}, {"TARGET", target}, {"HALF", half_ ? "1" : "0"}}});
     };
     // The last order goes to the output, so that the one before it is in the scratch volume.
     copy_first_ = program("radiosity/copy.comp", "voxels_radiance", "scratch_radiance");
@@ -72,7 +74,8 @@ class Radiosity final : public Pass {
       gather_ = device.program({.files = {"radiosity/gather.comp"},
                                 .defines = {{"SOURCE", "scratch_radiance"},
                                             {"TARGET", "light_radiance"},
-                                            {"FORMAT", grey_ ? "r32f" : "rgba32f"},
+                                            {"HALF", half_ ? "1" : "0"},
+                                            {"FORMAT", grey_ ? "STORAGE_R" : "STORAGE_RGBA"},
                                             {"CHANNELS(texel)", grey_ ? "texel.rrr" : "texel.rgb"}}});
   }
 
@@ -105,7 +108,7 @@ class Radiosity final : public Pass {
  private:
   int bounces_ = 8, rays_ = 16;
   int orders_ = 1;
-  bool feedback_ = false, grey_ = false;
+  bool feedback_ = false, grey_ = false, half_ = false;
   std::shared_ptr<const Program> copy_first_, copy_last_, copy_order_, copy_through_, gather_;
 };
 

@@ -59,6 +59,9 @@ class RayMarch final : public Pass {
                .scale = Scale::log,
                .cost = Cost::graph,
                .doc = "cells of `volume` along the longest side of the scene's box"});
+    p.choice("storage", storage_, {"fp32", "fp16"},
+             {.cost = Cost::graph,
+              .doc = "of `volume` and of what cones go through; `fp16`: half the memory, 11 bits, and at most 65504"});
     p.boolean(
         "emitter", emitter_,
         {.cost = Cost::graph,
@@ -99,7 +102,8 @@ class RayMarch final : public Pass {
     }
 
     probe_grid_ = fit_grid(rules::bounds(ports, facts), probes_);
-    TextureDesc cells = cell_texture(probe_grid_, Format::rgba32f);
+    const Format stored = storage_ == "fp16" ? Format::rgba16f : Format::rgba32f;
+    TextureDesc cells = cell_texture(probe_grid_, stored);
     cells.filter = Filter::linear;
     static constexpr std::array<const char*, 3> names{"red", "green", "blue"};
     for (const char* channel : std::span(names).first(static_cast<std::size_t>(channels_)))
@@ -107,7 +111,7 @@ class RayMarch final : public Pass {
 
     if (const TextureDesc* coverage = voxels.texture("coverage")) {
       if (method_ == "cones") {
-        scratch_levels(ports, "pyramid", *coverage, Format::rgba16f, 6);
+        scratch_levels(ports, "pyramid", *coverage, stored, 6);
       } else if (aimed_ > 0) {
         scratch_levels(ports, "power", *coverage, Format::r32f, 1);
         ports.scratch("targets", BufferDesc{(1 + targets) * sizeof(glm::ivec4)});
@@ -126,6 +130,7 @@ class RayMarch final : public Pass {
                                       {"EMITTER", emitter_ ? "1" : "0"},
                                       {"EMISSION", emission_ ? "1" : "0"},
                                       {"AIMED", aimed_ > 0 ? "1" : "0"},
+                                      {"HALF", storage_ == "fp16" ? "1" : "0"},
                                       {"SLEEPS", sleeps_ ? "1" : "0"},
                                       {"CHANNELS", std::to_string(channels_)}};
     const auto program = [&](const char* file) { return device.program({.files = {file}, .defines = defines}); };
@@ -223,7 +228,7 @@ class RayMarch final : public Pass {
     }
   }
 
-  std::string method_ = "rays";
+  std::string method_ = "rays", storage_ = "fp32";
   int rays_ = 64, aimed_ = 0, cones_ = 32, probes_ = 8, channels_ = 3;
   int levels_ = 1, slabs_ = 1;  // of the pyramid
   int rounds_of_ray_ = 1;

@@ -62,6 +62,10 @@ class Voxelize final : public Pass {
     p.choice("channels", channels_, {"colour", "luminance"},
              {.cost = Cost::graph,
               .doc = "of albedo, emission and radiance; a scene without colour takes `luminance` by itself"});
+    p.choice("storage", storage_, {"fp32", "fp16"},
+             {.cost = Cost::graph,
+              .doc = "of emission and radiance, and of what Radiosity makes of it; `fp16`: half the memory, 11 bits, "
+                     "and at most 65504 W/(m² sr)"});
     p.integer("rays", rays_,
               {.min = 1,
                .max = 256,
@@ -92,10 +96,11 @@ class Voxelize final : public Pass {
     emission_ = bindings.has("voxels.emission");
     const auto operation = std::find(combinations.begin(), combinations.end(), combine_) - combinations.begin();
     const auto made = [&](const char* member) { return bindings.has(std::string("voxels.") + member) ? "1" : "0"; };
-    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows())},   {"EMISSION", emission_ ? "1" : "0"},
-                                     {"CENTROID", made("centroid")},         {"ALBEDO", made("albedo")},
-                                     {"RADIANCE", made("radiance")},         {"GREY", grey_ ? "1" : "0"},
-                                     {"LUMINANCE", achromatic_ ? "0" : "1"}, {"COMBINE", std::to_string(operation)}};
+    const std::vector<Define> layout{{"SUM_ROWS", std::to_string(rows())},    {"EMISSION", emission_ ? "1" : "0"},
+                                     {"CENTROID", made("centroid")},          {"ALBEDO", made("albedo")},
+                                     {"RADIANCE", made("radiance")},          {"GREY", grey_ ? "1" : "0"},
+                                     {"LUMINANCE", achromatic_ ? "0" : "1"},  {"COMBINE", std::to_string(operation)},
+                                     {"HALF", storage_ == "fp16" ? "1" : "0"}};
     auto scene = scene_defines(facts_);
     if (slicing_ == "geometry")
       scene.emplace_back("INVOCATIONS", std::to_string((raster_size() + slices_a_run - 1) / slices_a_run));
@@ -118,6 +123,7 @@ class Voxelize final : public Pass {
     if (bindings.has("voxels.radiance")) {
       light_ = device.program({.files = {"voxelize/light.comp"},
                                .defines = {{"GREY", grey_ ? "1" : "0"},
+                                           {"HALF", storage_ == "fp16" ? "1" : "0"},
                                            {"LUMINANCE", achromatic_ ? "0" : "1"},
                                            {"PUNCTUAL", facts_.lights() > 0 ? "1" : "0"},
                                            {"SHADOW_MAPS", shadow_maps_ ? "1" : "0"},
@@ -181,8 +187,10 @@ class Voxelize final : public Pass {
     volume("centroid", Format::rgba16f, 6);
     voxels.needed("centroid", "radiance");
     by_side("albedo", Format::rgba16f, Format::rg16f);
-    if (emits()) by_side("emission", Format::rgba32f, Format::r32f);
-    by_side("radiance", Format::rgba32f, Format::r32f);
+    const bool half = storage_ == "fp16";
+    const Format colour = half ? Format::rgba16f : Format::rgba32f, grey = half ? Format::r16f : Format::r32f;
+    if (emits()) by_side("emission", colour, grey);
+    by_side("radiance", colour, grey);
   }
 
   /// What moves is known here; what has moved since, when a frame runs.
@@ -232,7 +240,7 @@ class Voxelize final : public Pass {
   }
 
   int grid_ = 32, rays_ = 32;
-  std::string slicing_ = "area", combine_ = "sum", channels_ = "colour";
+  std::string slicing_ = "area", combine_ = "sum", channels_ = "colour", storage_ = "fp32";
   bool shadow_maps_ = false, emission_ = false;
   bool grey_ = false;                           // one channel
   bool achromatic_ = false;                     // since all are equal, and not for their luminance

@@ -4,13 +4,13 @@ layout(local_size_x = 8, local_size_y = 4) in;
 
 uniform sampler3D scratch_sum;
 #if RED
-layout(rgba32f) uniform writeonly image3D intensity_red;
+layout(STORAGE_RGBA) uniform writeonly image3D intensity_red;
 #endif
 #if GREEN
-layout(rgba32f) uniform writeonly image3D intensity_green;
+layout(STORAGE_RGBA) uniform writeonly image3D intensity_green;
 #endif
 #if BLUE
-layout(rgba32f) uniform writeonly image3D intensity_blue;
+layout(STORAGE_RGBA) uniform writeonly image3D intensity_blue;
 #endif
 uniform int cascade;
 
@@ -19,12 +19,12 @@ void main() {
   if (any(greaterThanEqual(cell, grid.cells.xyz))) return;
   ivec3 channel = ivec3(0, 0, grid.cells.z), to = cell + cascade * channel;
 #if RED
-  imageStore(intensity_red, to, to_sh(texelFetch(scratch_sum, cell, 0)));
+  imageStore(intensity_red, to, stored(to_sh(texelFetch(scratch_sum, cell, 0))));
 #endif
 #if GREEN
-  imageStore(intensity_green, to, to_sh(texelFetch(scratch_sum, cell + channel, 0)));
+  imageStore(intensity_green, to, stored(to_sh(texelFetch(scratch_sum, cell + channel, 0))));
 #endif
 #if BLUE
-  imageStore(intensity_blue, to, to_sh(texelFetch(scratch_sum, cell + 2 * channel, 0)));
+  imageStore(intensity_blue, to, stored(to_sh(texelFetch(scratch_sum, cell + 2 * channel, 0))));
 #endif
 }

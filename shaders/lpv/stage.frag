@@ -17,7 +17,7 @@ layout(location = 2) out vec4 out_blocked;
 void main() {
   Result result = stage(ivec3(gl_FragCoord.xy, gl_Layer));
 #if STAGE != REFLECT
-  out_front = result.front;
+  out_front = stored(result.front);
   out_sum = result.sum;
 #endif
 #if BLOCKERS && STAGE != BEGIN

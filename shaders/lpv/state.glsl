@@ -3,6 +3,7 @@
 // of two SH bands is m = Φ/4π, v = Φ·n/2π, and all that a cell sends is 4π·m.
 #include "interop/grid.h"
 #include "lib/sh.glsl"
+#include "lib/storage.glsl"
 
 layout(std140) uniform flux_data { Grid grid; };
 

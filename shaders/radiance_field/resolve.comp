@@ -1,4 +1,5 @@
 // The sum over all orders, the moments and the states, as textures. Which of them are made is given by the pass.
+#include "lib/storage.glsl"
 #include "radiance_field/texels.glsl"
 layout(local_size_x = 64) in;
 layout(std430) readonly restrict buffer ORDERS_BLOCK { vec4 orders[]; };
@@ -25,7 +26,7 @@ void main() {
   for (int i = 0; i < COEFFICIENTS; ++i) {
     vec3 sum = vec3(0);
     for (int order = 0; order < order_count; ++order) sum += orders[(order * probe_count() + probe) * COEFFICIENTS + i].rgb;
-    imageStore(field_coefficients, ivec3(at.x * COEFFICIENTS + i, at.yz), vec4(sum, 0));
+    imageStore(field_coefficients, ivec3(at.x * COEFFICIENTS + i, at.yz), stored(vec4(sum, 0)));
   }
 #endif
 #if MOMENTS_OUT

@@ -2,6 +2,7 @@
 // R₁ is what the side reflects of straight light, R the reflected light of the order before.
 #include "interop/frame.h"
 #include "lib/sampling.glsl"
+#include "lib/storage.glsl"
 uniform sampler3D SOURCE;
 #define SHEET_RADIANCE(cell, slab) texelFetch(SOURCE, cell + ivec3(0, 0, (slab) * grid.cells.z), 0).rgb
 #include "lib/sheets.glsl"
@@ -33,5 +34,5 @@ void main() {
     vec3 before = part.x == 0 ? texelFetch(voxels_radiance, s.texel, 0).rgb : CHANNELS(imageLoad(TARGET, s.texel));
     radiance = before + s.albedo * sum / float(rays);
   }
-  imageStore(TARGET, s.texel, vec4(radiance, 1));
+  imageStore(TARGET, s.texel, stored(vec4(radiance, 1)));
 }

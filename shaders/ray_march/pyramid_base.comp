@@ -2,10 +2,11 @@
 #include "ray_march/exitant.glsl"
 // After what sheets send out is known.
 #include "lib/sheets.glsl"
+#include "lib/storage.glsl"
 #include "ray_march/pyramid.glsl"
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
-layout(rgba16f) uniform writeonly image3D scratch_pyramid;
+layout(STORAGE_RGBA) uniform writeonly image3D scratch_pyramid;
 
 void main() {
   ivec3 id = ivec3(gl_GlobalInvocationID);
@@ -27,5 +28,5 @@ void main() {
       sum += share * vec4(exitant_radiance(s.texel), 1);
     }
   }
-  imageStore(scratch_pyramid, level_corner(grid.cells.xyz, 0, slab) + cell, sum.a > 1. ? sum / sum.a : sum);
+  imageStore(scratch_pyramid, level_corner(grid.cells.xyz, 0, slab) + cell, stored(sum.a > 1. ? sum / sum.a : sum));
 }

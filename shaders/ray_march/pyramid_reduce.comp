@@ -1,11 +1,12 @@
 // One level from the finer one: of the two cells one behind the other the front one covers the back one; the four such
 // pairs side by side are averaged.
 #include "interop/grid.h"
+#include "lib/storage.glsl"
 #include "ray_march/pyramid.glsl"
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
 layout(std140) uniform voxels_data { Grid grid; };
-layout(rgba16f) uniform image3D scratch_pyramid;
+layout(STORAGE_RGBA) uniform image3D scratch_pyramid;
 uniform int level;
 
 void main() {
@@ -27,5 +28,5 @@ void main() {
     vec4 far = all(lessThan(back, finer)) ? imageLoad(scratch_pyramid, from + back) : vec4(0);
     sum += .25 * (near + (1. - near.a) * far);
   }
-  imageStore(scratch_pyramid, level_corner(n, level, slab) + cell, sum);
+  imageStore(scratch_pyramid, level_corner(n, level, slab) + cell, stored(sum));
 }

@@ -3,6 +3,7 @@
 #include "interop/frame.h"
 #include "lib/sampling.glsl"
 #include "lib/sh.glsl"
+#include "lib/storage.glsl"
 #if SLEEPS
 #include "ray_march/cells.glsl"
 #endif
@@ -13,20 +14,20 @@ layout(local_size_x = 4, local_size_y = 4, local_size_z = 2) in;
 
 layout(std140) uniform frame_data { FrameData frame; };
 layout(std140) uniform volume_data { Grid probes; };
-layout(rgba32f) uniform image3D volume_red;
+layout(STORAGE_RGBA) uniform image3D volume_red;
 #if CHANNELS > 1
-layout(rgba32f) uniform image3D volume_green;
-layout(rgba32f) uniform image3D volume_blue;
+layout(STORAGE_RGBA) uniform image3D volume_green;
+layout(STORAGE_RGBA) uniform image3D volume_blue;
 #endif
 uniform int rays;
 uniform ivec2 part;  // of the rays: the first, and the one after the last
 
 void store(ivec3 cell, vec4 red, vec4 green, vec4 blue) {
   bool first = part.x == 0;
-  imageStore(volume_red, cell, first ? red : imageLoad(volume_red, cell) + red);
+  imageStore(volume_red, cell, stored(first ? red : imageLoad(volume_red, cell) + red));
 #if CHANNELS > 1
-  imageStore(volume_green, cell, first ? green : imageLoad(volume_green, cell) + green);
-  imageStore(volume_blue, cell, first ? blue : imageLoad(volume_blue, cell) + blue);
+  imageStore(volume_green, cell, stored(first ? green : imageLoad(volume_green, cell) + green));
+  imageStore(volume_blue, cell, stored(first ? blue : imageLoad(volume_blue, cell) + blue));
 #endif
 }
 

@@ -2,12 +2,13 @@
 #ifndef LOOM_VOXELIZE_CHANNELS_GLSL
 #define LOOM_VOXELIZE_CHANNELS_GLSL
 #include "lib/math.glsl"
+#include "lib/storage.glsl"
 #if GREY
 #define ALBEDO_FORMAT rg16f
-#define LIGHT_FORMAT r32f
+#define LIGHT_FORMAT STORAGE_R
 #else
 #define ALBEDO_FORMAT rgba16f
-#define LIGHT_FORMAT rgba32f
+#define LIGHT_FORMAT STORAGE_RGBA
 #endif
 
 vec4 in_channels(vec3 colour, float last) {

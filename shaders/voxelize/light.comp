@@ -101,5 +101,5 @@ void main() {
 #endif
     radiance = s.albedo * irradiance * inverse_pi;
   }
-  imageStore(voxels_radiance, s.texel, in_channels(radiance, 1.));
+  imageStore(voxels_radiance, s.texel, stored(in_channels(radiance, 1.)));
 }

@@ -145,7 +145,7 @@ void store_sheet(ivec3 cell, int axis, Sheet s, inout vec4 coverage) {
 #endif
 #if EMISSION
     // Per area of the whole side, emitting or not.
-    imageStore(voxels_emission, side_at, in_channels(scale * max_emission * side.emission, 1.));
+    imageStore(voxels_emission, side_at, stored(in_channels(scale * max_emission * side.emission, 1.)));
 #endif
   }
 }
