@@ -4,7 +4,11 @@ target_compile_options(loom_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow 
                        -Wno-missing-field-initializers)  # designated initialisers leave the rest at its default
 # GCC 12 sees overlapping copies in `"x" + std::string` (its bug 105329).
 target_compile_options(loom_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
-if(LOOM_SANITIZE)
+if(LOOM_FUZZ)
+  # What clang finds beyond GCC is clang-tidy's business.
+  target_compile_options(loom_options INTERFACE -fsanitize=fuzzer-no-link -Wno-error)
+endif()
+if(LOOM_SANITIZE OR LOOM_FUZZ)
   target_compile_options(loom_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
                                                 -fno-omit-frame-pointer)
   # Most of a sanitized run is its build. -O1 where the time of a test is spent, -O0 elsewhere, and line tables alone:

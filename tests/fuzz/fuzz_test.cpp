@@ -1,4 +1,5 @@
-// Every file of the corpus, whole and damaged: an answer, never a crash. The damage is the same in every run.
+// Every file of the corpus, whole and damaged: an answer, never a crash. The damage is the same in every run; clang's
+// libFuzzer looks further (docs/stability.md has the command).
 #include <gtest/gtest.h>
 
 #include <algorithm>
