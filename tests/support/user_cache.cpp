@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 #include "support/temp_dir.h"
 
@@ -20,7 +21,11 @@ struct OwnCache {
     std::string before = text_of("XDG_CACHE_HOME");
     const std::string home = text_of("HOME");
     if (before.empty() && !home.empty()) before = std::filesystem::path(home) / ".cache";
-    if (!before.empty()) setenv("MESA_SHADER_CACHE_DIR", before.c_str(), 0);
+    if (!before.empty()) {
+      std::error_code ignored;
+      std::filesystem::create_directories(before, ignored);  // Mesa makes its own folder there, but not what is above
+      setenv("MESA_SHADER_CACHE_DIR", before.c_str(), 0);
+    }
     setenv("XDG_CACHE_HOME", dir.path().c_str(), 1);
   }
   TempDir dir;
