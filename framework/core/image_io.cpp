@@ -93,6 +93,18 @@ std::vector<std::byte> read_bytes(const std::string& path) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// What a file claims to hold can be no more than so many times its own size: deflate makes a byte of 1032 at most.
+/// Memory is not taken on a number's word.
+void require_plausible(const std::string& path, std::int64_t width, std::int64_t height, std::size_t bytes_a_pixel,
+                       std::uintmax_t largest_ratio) {
+  std::error_code ignored;
+  const auto claimed = static_cast<std::uintmax_t>(width * height) * bytes_a_pixel;
+  if (claimed / largest_ratio > fs::file_size(path, ignored)) {
+    bad_image(path, "claims " + std::to_string(width) + "x" + std::to_string(height) + " pixels, more than a file of " +
+                        "its size can hold");
+  }
+}
+
 }  // namespace
 
 void write_file_atomic(const std::string& path, std::span<const std::byte> bytes) {
@@ -171,6 +183,7 @@ ImageLayers read_exr(const std::string& path) {
     std::size_t count = 0;
     for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) ++count;
     if (count == 0 || count > max_channels) bad_image(path, "has " + std::to_string(count) + " channels");
+    require_plausible(path, width, height, 2 * count, 1032 * 64);  // deflated means of 8×8 pixels (DWA), in half floats
 
     image.width = static_cast<int>(width);
     image.height = static_cast<int>(height);
@@ -215,6 +228,7 @@ ImageLayers read_png(const std::string& path) {
       width > max_pixels / height) {
     bad_image(path, "not a PNG that can be read");
   }
+  require_plausible(path, width, height, 1, 8 * 1032);  // deflated, a bit a pixel
   const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> rgb(
       stbi_load_from_memory(data, size, &width, &height, &components, 3), &stbi_image_free);
   if (!rgb) bad_image(path, std::string("not a PNG that can be read: ") + stbi_failure_reason());

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -173,6 +174,27 @@ TEST_F(ImageIo, WritingReplacesTheOldFile) {
   write_file_atomic(path("file"), std::as_bytes(std::span(text)));
   EXPECT_EQ(bytes_of(path("file")), (std::vector<char>{'n', 'e', 'w'}));
   EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(ImageIo, TakesNoMemoryOnAFilesWord) {
+  ImageLayers image{.width = 4, .height = 4, .channels = {}, .attributes = {}};
+  for (const char* channel : {"R", "G", "B"}) image.channels[channel].assign(16, .5F);
+  const std::string name = path("claims.exr");
+  write_exr(name, image);
+  std::fstream file(name, std::ios::in | std::ios::out | std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  // name, type and size of the attribute, then xMin, yMin, xMax, yMax
+  const std::size_t window = text.find("dataWindow") + 11 + 6 + 4;
+  const std::int32_t last = (1 << 22) - 1;
+  file.seekp(static_cast<std::streamoff>(window + 8));
+  file.write(reinterpret_cast<const char*>(&last), sizeof(last));
+  file.close();
+  try {
+    (void)read_exr(name);
+    FAIL() << "it was read";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("claims 4194304x4"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace
