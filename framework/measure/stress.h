@@ -42,7 +42,8 @@ struct StressCase {
   /// One: finite, not negative, under the furnace bound. More: their weighted sum must vanish too.
   std::function<std::vector<StressPart>()> parts;
   double tolerance = std::numeric_limits<double>::infinity();  ///< of the sum, relative L2 of hdr and of indirect
-  bool quick = false;                                          ///< belongs to the part that is run with the tests
+  bool bounded = true;  ///< no picture may pass the furnace bound, which else holds in the mean alone
+  bool quick = false;   ///< belongs to the part that is run with the tests
 
   /// Stable and unique.
   [[nodiscard]] LOOM_API std::string id() const;

@@ -65,6 +65,7 @@ std::vector<std::string> ends(const ParamDecl& decl, bool reduced) {
 /// By how much (relative L2) a law may be missed on the small grids and with the few rays of these cases.
 struct Bounds {
   double units = 1e-4, sum = 1e-3, turn = .25, light_step = .05, camera_step = 5e-3;
+  bool furnace = true;
 };
 
 Bounds bounds_of(const graph::CompiledGraph& graph) {
@@ -88,9 +89,15 @@ Bounds bounds_of(const graph::CompiledGraph& graph) {
   if (uses({"Inject"})) bounds.sum = std::max(bounds.sum, 5e-2);
   // Each pixel draws its own rays; aimed ones go to what shines most, and so to other places where there is less light.
   if (uses({"RayMarch", "GatherRSM"})) {
-    bounds.sum = std::max(bounds.sum, .1);
-    bounds.camera_step = 1;
+    bounds.sum = std::max(bounds.sum, .2);
+    bounds.turn = bounds.camera_step = 1;
+    bounds.light_step = std::max(bounds.light_step, .2);
   }
+  // A grid is fitted to its scene, so that walls lie on the faces between cells, and the last bit of a position chooses
+  // the cell of each.
+  if (uses({"Voxelize"})) bounds.units = 1e-2;
+  // A virtual light beside a surface is as bright as it is near: the mean over many is bounded, one is not.
+  if (uses({"GatherVpls"})) bounds.furnace = false;
   // Points are drawn by the order of triangles in the hierarchy, which the last bits of their boxes decide: other
   // points, and few of them here.
   if (uses({"SurfacePoints"})) bounds.units = .3;
@@ -148,6 +155,7 @@ class Cases {
                       .pipeline = pipeline_,
                       .set = base_,
                       .parts = std::move(parts),
+                      .bounded = bounds_.furnace,
                       .quick = candidate && types_.contains(pipeline_)});
     return cases_.back();
   }
