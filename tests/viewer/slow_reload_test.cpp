@@ -40,7 +40,7 @@ TEST_F(SlowReload, AThousandTimesGoodAndBad) {
   std::ofstream(shader) << good;
   fs::file_time_type time = fs::last_write_time(shader);
 
-  viewer::Model model({.pipeline = "direct", .set = {{"rsm", "shadow_size", "32"}}, .size = {24, 16}});
+  viewer::Model model({.pipeline = "direct", .set = {{"rsm", "shadow_size", "32"}}, .size = glm::ivec2(24, 16)});
   const auto picture = [&] {
     while (model.frame_due()) model.frame(0);
     return model.live().renderer().read("image").texels;
