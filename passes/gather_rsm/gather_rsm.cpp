@@ -82,9 +82,8 @@ class GatherRSM final : public Pass {
     if (const TextureDesc* flux = lights.texture("flux")) {
       map_ = {flux->width, flux->height, flux->depth};
     }
-    resolution_.declare(
-        ports, channels,
-        method_ == "full" ? parts_of(map_.y * map_.z, map_.x) : parts_of(samples_, facts.lights()));
+    resolution_.declare(ports, channels,
+                        method_ == "full" ? parts_of(map_.y * map_.z, map_.x) : parts_of(samples_, facts.lights()));
     const auto texels =
         static_cast<std::size_t>(map_.x) * static_cast<std::size_t>(map_.y) * static_cast<std::size_t>(map_.z);
     ports.scratch("virtual_lights", BufferDesc{texels * virtual_light_bytes});

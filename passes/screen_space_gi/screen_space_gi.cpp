@@ -13,8 +13,8 @@
 //     E = E_near + Σ L_lm·(A_l Y_lm(n) − c_lm);
 //   `far`, any pass's irradiance, loses their share o, as if the field were as bright there as on the whole,
 //     E = E_near + (1 − o)·E_far.
-// A ray has one source or the other, so that no light is counted twice; in a furnace the second sum is E_far to the last
-// digit. What directions the field's bands cannot tell apart the first cannot either.
+// A ray has one source or the other, so that no light is counted twice; in a furnace the second sum is E_far to the
+// last digit. What directions the field's bands cannot tell apart the first cannot either.
 //
 // A ray that meets another side of a piece than the one seen ends as well. `hidden` says what it brings: what the front
 // sends, its share of the far field, or nothing. How many rays left the image or met such a side is the output

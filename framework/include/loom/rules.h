@@ -11,7 +11,7 @@
 //   static         nothing moves: Ports::keep_outputs() holds. A pass runs again when its parameters, what its wires
 //                  bring or its fingerprint (versions of the scene, seed) change; what it would make is a function of
 //                  these alone. The same bits.
-//   sleeping-probes  a pass knows whose pixels read its probes: the others are not made. What interpolation can touch is
+//   sleeping-probes  a pass knows whose pixels read its probes: others are not made. What interpolation can touch is
 //                  awake. The same bits.
 //   unread         nobody reads a pass, an output or a member. The same bits.
 #include <initializer_list>
