@@ -313,7 +313,6 @@ class RadianceField final : public Pass {
     ports.decide("sleeping-probes", sleeps_ ? "probes that no pixel reads are not captured" : "every probe is awake",
                  sleeps_        ? "`readers` is wired: GatherProbes reads within two grid steps of a point"
                  : budget_ != 0 ? "a budget renews all in turn"
-
                                 : "probes light each other: each is read by others");
   }
 

@@ -40,9 +40,9 @@ vec4 cone(vec3 origin, vec3 normal, vec3 direction, float aperture) {
   int most = grid.cells.x + grid.cells.y + grid.cells.z;
   for (int i = 0; i < most && sum.a < .99; ++i) {
     // As large as the cone is wide, and so small that interpolation, over one and a half cells, does not reach down to
-    // the surface that the cone starts from: its back would block what never came from behind it. (Up to a factor √2.)
-    float clear = (1. + t * rise) / 1.5;
-    int level = clamp(int(round(min(log2(aperture * t), log2(clear) - .5))), 0, levels - 1);
+    // the surface that the cone starts from: its back would block what never came from behind it.
+    float clear = max(1., (1. + t * rise) / 1.5);  // a shading normal may lead below the surface
+    int level = clamp(min(int(round(log2(aperture * t))), int(floor(log2(clear)))), 0, levels - 1);
     float size = float(1 << level);
     vec3 at = origin + normal + t * direction;
     if (any(lessThan(at, vec3(-size))) || any(greaterThan(at, vec3(grid.cells.xyz) + size))) break;

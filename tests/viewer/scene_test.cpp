@@ -266,7 +266,7 @@ TEST(RenderDoc, CapturesWhatIsDrawnWhereItIsAttached) {
   bool drawn = false;
   const std::string path = renderdoc_capture([&] { drawn = capturing() == 1; });
   EXPECT_TRUE(drawn);
-  EXPECT_EQ(path, "/tmp/fake-1.rdc");
+  EXPECT_EQ(path, "fake-1.rdc");
   EXPECT_THROW(renderdoc_capture([] { throw Error("no"); }), Error);
   EXPECT_EQ(capturing(), 0) << "a capture that failed has ended";
   dlclose(library);

@@ -22,7 +22,7 @@ std::uint32_t count() { return captures; }
 
 std::uint32_t capture(std::uint32_t index, char* name, std::uint32_t* length, std::uint64_t* /*time*/) {
   if (index >= captures) return 0;
-  const std::string path = "/tmp/fake-" + std::to_string(index + 1) + ".rdc";
+  const std::string path = "fake-" + std::to_string(index + 1) + ".rdc";
   if (length != nullptr) *length = static_cast<std::uint32_t>(path.size()) + 1;
   if (name != nullptr) std::memcpy(name, path.c_str(), path.size() + 1);
   return 1;
