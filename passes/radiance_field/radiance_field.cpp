@@ -32,6 +32,7 @@
 #include <vector>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -142,7 +143,7 @@ class RadianceField final : public Pass {
       orders_ = std::min(bounces_, rules::bounces(ports, facts.max_albedo));
       rules::decide_bounces(ports, facts.max_albedo, bounces_);
     }
-    const int channels = std::max(rules::channels(ports, facts), rules::channels({voxels, light}));
+    channels_ = std::max(rules::channels(ports, facts), rules::channels({voxels, light}));
     grid_ = field::fit_probes(
         rules::bounds(ports, facts),
         {.probes = probes_, .inset = inset_, .coefficients = coefficients, .moments = moments_, .behind = behind_});
@@ -151,7 +152,7 @@ class RadianceField final : public Pass {
     const glm::ivec3 counts(grid_.counts);
     const Format stored = storage_ == "fp16" ? Format::rgba16f : Format::rgba32f;
     field.texture("coefficients",
-                  TextureDesc::layers({counts.x * grid_.counts.w, counts.y}, counts.z, stored).with_channels(channels),
+                  TextureDesc::layers({counts.x * grid_.counts.w, counts.y}, counts.z, stored).with_channels(channels_),
                   Access::image_write);
     field.texture("moments", TextureDesc::layers({counts.x * moments_, counts.y * moments_}, counts.z, Format::rg32f),
                   Access::image_write);
@@ -159,7 +160,7 @@ class RadianceField final : public Pass {
         "state",
         {.format = Format::rgba32f, .kind = TextureKind::d3, .width = counts.x, .height = counts.y, .depth = counts.z},
         Access::image_write);
-    field.attribute("coefficients", coefficients).attribute("basis", basis_).attribute("channels", channels);
+    field.attribute("coefficients", coefficients).attribute("basis", basis_).attribute("channels", channels_);
     punctual_ = !lights.absent();
     facts_ = facts;
     // A probe may stand close to a wall. Reversed float depth loses nothing by it: near/z keeps its digits down to
@@ -177,6 +178,7 @@ class RadianceField final : public Pass {
     const std::string prefix = persistent();
     const std::vector<Define> common = {{"COEFFICIENTS", std::to_string(grid_.counts.w)},
                                         {"GAUSSIANS", basis_ == "sg" ? "1" : "0"},
+                                        {"CHANNELS", std::to_string(channels_)},
                                         {"STATE_BLOCK", prefix + "_states"},
                                         {"MOMENTS_BLOCK", prefix + "_moments"},
                                         {"ORDERS_BLOCK", prefix + "_orders"}};
@@ -266,8 +268,11 @@ class RadianceField final : public Pass {
     const auto n = static_cast<std::size_t>(probe_count()), slot_count = static_cast<std::size_t>(slots());
     const auto coefficients = static_cast<std::size_t>(grid_.counts.w);
     const auto side = static_cast<std::size_t>(face_size_), texels = 6 * side * side;
-    const std::size_t texel_bytes = slot_count * texels * sizeof(glm::vec4);
-    const std::size_t order_bytes = static_cast<std::size_t>(orders_) * n * coefficients * sizeof(glm::vec4);
+    // Light and Texel of the shaders: std430 gives a vec3 the place of four numbers, of which Texel uses the last.
+    const std::size_t light_size = channels_ == 1 ? sizeof(float) : sizeof(glm::vec4);
+    const std::size_t texel_size = channels_ == 1 ? sizeof(glm::vec2) : sizeof(glm::vec4);
+    const std::size_t texel_bytes = slot_count * texels * texel_size;
+    const std::size_t order_bytes = static_cast<std::size_t>(orders_) * n * coefficients * light_size;
     const std::size_t moment_bytes = n * static_cast<std::size_t>(moments_ * moments_) * sizeof(glm::vec2);
     if (std::max({texel_bytes, order_bytes, moment_bytes}) > max_block_bytes) {
       ports.error("too-many-probes",
@@ -443,6 +448,7 @@ class RadianceField final : public Pass {
 
   interop::ProbeGrid grid_{};
   int bands_ = 3;   ///< of spherical harmonics
+  int channels_ = 3;
   int orders_ = 1;  ///< of reflection, that the probes keep apart
   bool punctual_ = false, voxels_ = false, has_light_ = false, sleeps_ = false;
   SceneFacts facts_;

@@ -12,7 +12,7 @@ void main() {
   vec3 way = vec3(0);
   for (int t = 0; t < texel_count(); ++t) {
     int i = slot * texel_count() + t;
-    float distance = -texels[i].w;
+    float distance = -texels[i].distance;
     vec3 m = abs(texel_direction(t));
     float c = max(m.x, max(m.y, m.z)), solid_angle = c * c * c;  // up to a factor, by the texel's centre
     all += solid_angle;

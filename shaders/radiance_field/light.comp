@@ -17,7 +17,7 @@ void main() {
   int t = int(gl_GlobalInvocationID.x), slot = int(gl_GlobalInvocationID.y);
   if (t >= texel_count() || slot >= slot_count) return;
   int i = slot * texel_count() + t, probe = probe_of(slot);
-  float distance = texels[i].w;
+  float distance = texels[i].distance;
   if (distance == 0. || states[probe].w < .5) return;
   Surfel s = unpack_surfel(surfaces[i]);
   vec3 x = standing_at(probe) + abs(distance) * texel_direction(t), e = vec3(0);
@@ -39,5 +39,5 @@ void main() {
   e += sky_irradiance(r, frame.sky.rgb, emitter_rays);
 #endif
 #endif
-  texels[i].rgb = inverse_pi * s.albedo * e;
+  texels[i].radiance = light_of(inverse_pi * s.albedo * e);
 }

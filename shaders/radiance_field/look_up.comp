@@ -32,10 +32,10 @@ void main() {
   int t = int(gl_GlobalInvocationID.x), slot = int(gl_GlobalInvocationID.y);
   if (t >= texel_count() || slot >= slot_count) return;
   int i = slot * texel_count() + t, probe = probe_of(slot);
-  float distance = texels[i].w;
+  float distance = texels[i].distance;
   if (distance == 0. || states[probe].w < .5) return;
   vec3 n = unpack_surfel(surfaces[i]).n_g;
   ivec3 texel;
   if (find_side(standing_at(probe) + abs(distance) * texel_direction(t), n, texel))
-    texels[i].rgb = texelFetch(LIGHT, texel, 0).rgb;
+    texels[i].radiance = light_of(texelFetch(LIGHT, texel, 0).rgb);
 }

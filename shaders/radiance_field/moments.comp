@@ -15,7 +15,7 @@ void main() {
   vec2 sum = vec2(0);
   for (int j = 0; j < across * across; ++j) {
     vec2 p = vec2(t % size, t / size) + (vec2(j % across, j / across) + .5) / float(across);
-    float distance = texels[slot * texel_count() + texel_towards(octahedral_decode(2. * p / float(size) - 1.))].w;
+    float distance = texels[slot * texel_count() + texel_towards(octahedral_decode(2. * p / float(size) - 1.))].distance;
     distance = distance == 0. ? grid.spacing.w : clamp(distance, 0., grid.spacing.w);
     sum += vec2(distance, distance * distance);
   }

@@ -6,7 +6,7 @@
 #include "lib/probes.glsl"
 layout(local_size_x = 64) in;
 layout(std430) readonly restrict buffer scratch_weights { float weights[]; };  // [texel][coefficient]
-layout(std430) restrict buffer ORDERS_BLOCK { vec4 orders[]; };                // [order][probe][coefficient]
+layout(std430) restrict buffer ORDERS_BLOCK { Light orders[]; };               // [order][probe][coefficient]
 layout(std430) readonly restrict buffer MOMENTS_BLOCK { vec2 moments[]; };
 uniform int reflection;  // order, from 0
 
@@ -16,45 +16,40 @@ vec2 probe_moments(ivec3 probe, ivec2 texel) {
   return moments[(probe_index(probe) * size + texel.y) * size + texel.x];
 }
 vec3 probe_coefficient(ivec3 probe, int i) {
-  return orders[((reflection - 1) * probe_count() + probe_index(probe)) * COEFFICIENTS + i].rgb;
+  return vec3(orders[((reflection - 1) * probe_count() + probe_index(probe)) * COEFFICIENTS + i]);
 }
 
 vec3 radiance(int slot, int probe, int t) {
   int i = slot * texel_count() + t;
-  vec4 texel = texels[i];
-  if (texel.w == 0.) return vec3(0);
-  if (reflection == 0) return texel.rgb;
+  Texel texel = texels[i];
+  if (texel.distance == 0.) return vec3(0);
+  if (reflection == 0) return vec3(texel.radiance);
   Surfel s = unpack_surfel(surfaces[i]);
   if (s.albedo == vec3(0)) return vec3(0);
-  vec3 x = standing_at(probe) + abs(texel.w) * texel_direction(t);
+  vec3 x = standing_at(probe) + abs(texel.distance) * texel_direction(t);
   return inverse_pi * s.albedo * probe_irradiance(grid, x, s.n, s.n_g);
 }
 
 const int chunk = 384;
-shared float red[chunk], green[chunk], blue[chunk];
+shared Light seen[chunk];
 
 void main() {
   int slot = int(gl_WorkGroupID.x), lane = int(gl_LocalInvocationID.x);
   int probe = probe_of(slot);
   bool on = slot < slot_count && states[probe].w > .5;
-  vec3 sum = vec3(0);
+  Light sum = Light(0);
   for (int first = 0; first < texel_count(); first += chunk) {
     int count = min(chunk, texel_count() - first);
     barrier();
     for (int k = lane; k < count; k += 64) {
-      vec3 l = on ? radiance(slot, probe, first + k) : vec3(0);
-      red[k] = l.r;
-      green[k] = l.g;
-      blue[k] = l.b;
+      seen[k] = light_of(on ? radiance(slot, probe, first + k) : vec3(0));
     }
     barrier();
     if (lane < COEFFICIENTS) {
-      for (int k = 0; k < count; ++k) {
-        sum += weights[(first + k) * COEFFICIENTS + lane] * vec3(red[k], green[k], blue[k]);
-      }
+      for (int k = 0; k < count; ++k) sum += weights[(first + k) * COEFFICIENTS + lane] * seen[k];
     }
   }
   if (lane < COEFFICIENTS && slot < slot_count) {
-    orders[(reflection * probe_count() + probe) * COEFFICIENTS + lane] = vec4(sum, 0);
+    orders[(reflection * probe_count() + probe) * COEFFICIENTS + lane] = sum;
   }
 }

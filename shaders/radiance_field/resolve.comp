@@ -2,7 +2,7 @@
 #include "lib/storage.glsl"
 #include "radiance_field/texels.glsl"
 layout(local_size_x = 64) in;
-layout(std430) readonly restrict buffer ORDERS_BLOCK { vec4 orders[]; };
+layout(std430) readonly restrict buffer ORDERS_BLOCK { Light orders[]; };
 layout(std430) readonly restrict buffer MOMENTS_BLOCK { vec2 moments[]; };
 #if COEFFICIENTS_OUT
 writeonly uniform image2DArray field_coefficients;
@@ -25,7 +25,9 @@ void main() {
 #if COEFFICIENTS_OUT
   for (int i = 0; i < COEFFICIENTS; ++i) {
     vec3 sum = vec3(0);
-    for (int order = 0; order < order_count; ++order) sum += orders[(order * probe_count() + probe) * COEFFICIENTS + i].rgb;
+    for (int order = 0; order < order_count; ++order) {
+      sum += vec3(orders[(order * probe_count() + probe) * COEFFICIENTS + i]);
+    }
     imageStore(field_coefficients, ivec3(at.x * COEFFICIENTS + i, at.yz), stored(vec4(sum, 0)));
   }
 #endif

@@ -15,6 +15,6 @@ void main() {
   ivec3 at = ivec3(t % face_size, (t / face_size) % face_size, 6 * entry + t / (face_size * face_size));
   vec4 normals = texelFetch(scratch_normals, at, 0), surface = texelFetch(scratch_surface, at, 0);
   int i = slot * texel_count() + t;
-  texels[i] = vec4(0, 0, 0, surface.a);
+  texels[i] = Texel(Light(0), surface.a);
   surfaces[i] = pack_surfel(Surfel(octahedral_decode(normals.xy), octahedral_decode(normals.zw), surface.rgb));
 }

@@ -2,14 +2,17 @@
 #ifndef LOOM_RADIANCE_FIELD_TEXELS_GLSL
 #define LOOM_RADIANCE_FIELD_TEXELS_GLSL
 #include "interop/probes.h"
+#include "lib/light.glsl"
 #include "lib/octahedral.glsl"
 
 layout(std140) uniform field_data { ProbeGrid grid; };
 layout(std430) readonly restrict buffer scratch_probes { int probes[]; };  // [slot]
 layout(std430) restrict buffer STATE_BLOCK { vec4 states[]; };  // of all probes, as the output `state`
-// [slot][texel]. rgb: radiance of the first reflection, W/(m² sr); w: distance, metres, 0 = nothing seen, negative: the
-// back of a single-sided face.
-layout(std430) restrict buffer scratch_texels { vec4 texels[]; };
+struct Texel {
+  Light radiance;  // of the first reflection, W/(m² sr)
+  float distance;  // metres; 0 = nothing seen, negative: the back of a single-sided face
+};
+layout(std430) restrict buffer scratch_texels { Texel texels[]; };  // [slot][texel]
 // [slot][texel]: shading and geometric normal (octahedral), albedo in half floats.
 layout(std430) restrict buffer scratch_surfaces { uvec4 surfaces[]; };
 

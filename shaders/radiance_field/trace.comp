@@ -24,6 +24,6 @@ void main() {
     }
   }
   int i = slot * texel_count() + t;
-  texels[i] = vec4(0, 0, 0, distance);
+  texels[i] = Texel(Light(0), distance);
   surfaces[i] = pack_surfel(Surfel(n, n, albedo));
 }
