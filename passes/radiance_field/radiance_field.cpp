@@ -176,12 +176,10 @@ class RadianceField final : public Pass {
   void prepare(Device& device, const Bindings& bindings) override {
     const bool emits = facts_.emissive_triangles > 0;
     const std::string prefix = persistent();
-    const std::vector<Define> common = {{"COEFFICIENTS", std::to_string(grid_.counts.w)},
-                                        {"GAUSSIANS", basis_ == "sg" ? "1" : "0"},
-                                        {"CHANNELS", std::to_string(channels_)},
-                                        {"STATE_BLOCK", prefix + "_states"},
-                                        {"MOMENTS_BLOCK", prefix + "_moments"},
-                                        {"ORDERS_BLOCK", prefix + "_orders"}};
+    const std::vector<Define> common = {
+        {"COEFFICIENTS", std::to_string(grid_.counts.w)}, {"GAUSSIANS", basis_ == "sg" ? "1" : "0"},
+        {"CHANNELS", std::to_string(channels_)},          {"STATE_BLOCK", prefix + "_states"},
+        {"MOMENTS_BLOCK", prefix + "_moments"},           {"ORDERS_BLOCK", prefix + "_orders"}};
     const auto program = [&](std::vector<std::string> files, std::vector<Define> defines) {
       defines.insert(defines.end(), common.begin(), common.end());
       return device.program({.files = std::move(files), .defines = std::move(defines)});
@@ -447,7 +445,7 @@ class RadianceField final : public Pass {
   int budget_ = 0;
 
   interop::ProbeGrid grid_{};
-  int bands_ = 3;   ///< of spherical harmonics
+  int bands_ = 3;  ///< of spherical harmonics
   int channels_ = 3;
   int orders_ = 1;  ///< of reflection, that the probes keep apart
   bool punctual_ = false, voxels_ = false, has_light_ = false, sleeps_ = false;
