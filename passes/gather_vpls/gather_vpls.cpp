@@ -3,7 +3,8 @@
 //   E(x) = Σ_j (Φ_j/π)·min(G_j, b)·V_j,   G_j = ⟨n_j, x−x_j⟩₊⟨n, x_j−x⟩₊ / r⁴          (Keller 1997),
 //
 // V by rays against the scene's BVH, or by marching through the voxels (to a point half a cell off the light's surface,
-// so that its own sheet does not hide it), or 1.
+// so that its own sheet does not hide it), or from the maps of VplShadowMaps (lights without a map: by the voxels where
+// they are wired, else 1), or 1.
 //
 // G has no bound as r → 0, where one light stands for a whole patch: b = πN/(m²·A), the value at which a disc of the
 // share A/N that each of N paths has of the surface of the scene's box (A) would end, with m = `min_distance` (0 = no
@@ -35,14 +36,16 @@ using namespace loom;
 
 // Lights and compensating rays of one dispatch. Mesa's llvmpipe ends a shader invocation silently after 65535 rounds of
 // all its loops together (LP_MAX_TGSI_LOOP_ITERATIONS), and other drivers end one that takes too long: a ray takes some
-// hundred rounds, a light without one.
-constexpr int traced_at_once = 64, untraced_at_once = 16384, compensated_at_once = 4;
+// hundred rounds, a light without one, and four where four texels are looked at.
+constexpr int traced_at_once = 64, mapped_at_once = 4096, untraced_at_once = 16384, compensated_at_once = 4;
 
 class GatherVpls final : public Pass {
  public:
   void params(Params& p) override {
-    p.choice("visibility", visibility_, {"rays", "voxels", "none"},
-             {.cost = Cost::graph, .doc = "what tells whether anything blocks: the BVH, the voxels, or nothing"});
+    p.choice("visibility", visibility_, {"rays", "voxels", "shadow-maps", "none"},
+             {.cost = Cost::graph,
+              .doc = "what tells whether anything blocks: the BVH, the voxels, maps (lights that have none: the voxels "
+                     "where they are wired, else nothing), or nothing"});
     p.integer("interleave", interleave_,
               {.min = 1,
                .max = 16,
@@ -70,11 +73,18 @@ class GatherVpls final : public Pass {
     auto surface = ports.in("surface", "Surface").reads("depth").reads("normal").reads("geometric_normal");
     auto vpls = ports.in("vpls", "VplSet").reads("lights", Access::storage_read);
     auto voxels = ports.in("voxels", "VoxelScene").optional();
-    if (visibility_ == "voxels") voxels.reads("coverage").reads("plane").reads("extent");
+    auto shadows = ports.in("shadows", "VplShadows").optional();
+    const bool mapped = visibility_ == "shadow-maps";
+    if (mapped || visibility_ == "voxels") voxels.reads("coverage").reads("plane").reads("extent");
+    if (mapped) shadows.reads("maps").reads("of", Access::storage_read);
     auto irradiance = ports.out("irradiance", "Irradiance");
     auto clamped = ports.out("clamped", "Irradiance");
     if (visibility_ == "voxels" && !voxels.connected()) {
       ports.error("no-voxels", "visibility by voxels needs the input `voxels`", "wire it to Voxelize's output");
+    }
+    if (mapped && !shadows.connected()) {
+      ports.error("no-shadow-maps", "visibility by shadow maps needs the input `shadows`",
+                  "wire it to the output of VplShadowMaps");
     }
     if (surface.absent() || vpls.absent()) {
       const std::string why = surface.absent() ? surface.why_absent() : vpls.why_absent();
@@ -82,8 +92,11 @@ class GatherVpls final : public Pass {
       return clamped.absent(why);
     }
     facts_ = facts;
-    voxels_ = visibility_ == "voxels" && !voxels.absent();
-    at_once_ = visibility_ == "none" ? untraced_at_once : traced_at_once;
+    mapped_ = mapped && !shadows.absent();
+    voxels_ = (mapped || visibility_ == "voxels") && !voxels.absent();
+    at_once_ = visibility_ == "none"  ? untraced_at_once
+               : mapped_ && !voxels_ ? mapped_at_once
+                                     : traced_at_once;
     // Rows of paths are as equal as they can be.
     const int rows = LOOM_VPL_GROUPS / (interleave_ * interleave_) + 1;
     const int most = vpls.attribute("most", 1);
@@ -106,9 +119,9 @@ class GatherVpls final : public Pass {
   void prepare(Device& device, const Bindings& bindings) override {
     const auto flag = [&](std::string_view member) { return bindings.has(member) ? "1" : "0"; };
     auto defines = scene_defines(facts_);
-    defines.emplace_back("VISIBILITY", voxels_                   ? "VISIBILITY_voxels"
-                                       : visibility_ == "voxels" ? "VISIBILITY_none"
-                                                                 : "VISIBILITY_" + visibility_);
+    defines.emplace_back("RAYS", visibility_ == "rays" ? "1" : "0");
+    defines.emplace_back("MAPS", mapped_ ? "1" : "0");
+    defines.emplace_back("VOXELS", voxels_ ? "1" : "0");
     defines.emplace_back("IRRADIANCE", flag("irradiance.irradiance"));
     defines.emplace_back("CLAMPED", flag("clamped.irradiance"));
     defines.emplace_back("SEVERAL", dispatches_ > 1 ? "1" : "0");
@@ -140,7 +153,7 @@ class GatherVpls final : public Pass {
   int interleave_ = 1;
   float min_distance_ = 1;
   int compensation_ = 0, depth_ = 2, lights_ = 4;
-  bool voxels_ = false;
+  bool voxels_ = false, mapped_ = false;
   int at_once_ = 1, dispatches_ = 1;  ///< lights of a dispatch, dispatches
   SceneFacts facts_;
   std::shared_ptr<const Program> gather_;

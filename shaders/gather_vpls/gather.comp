@@ -1,14 +1,14 @@
 // E(x) = Σ (Φ_j/π)·min(G_j, b)·V_j over the lights, or over the part of them that the pixel of a tile takes.
-#define VISIBILITY_none 0
-#define VISIBILITY_rays 1
-#define VISIBILITY_voxels 2
 #include "interop/frame.h"
 #include "lib/camera.glsl"
 #include "lib/sampling.glsl"
 #include "lib/trace.glsl"
 #include "lib/vpls.glsl"
-#if VISIBILITY == VISIBILITY_voxels
+#if VOXELS
 #include "lib/voxels.glsl"
+#endif
+#if MAPS
+#include "lib/vpl_shadows.glsl"
 #endif
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std140) uniform frame_data { FrameData frame; };
@@ -45,10 +45,15 @@ float bound() {
 }
 
 // Share of what the light sends to x that arrives.
-float visibility(Point p, Vpl light) {
-#if VISIBILITY == VISIBILITY_rays
+float visibility(Point p, uint j) {
+  Vpl light = vpls[j];
+#if MAPS
+  uint map = vpl_map_of[j];
+  if (map > 0u) return mapped_visibility(map, light, p.x, p.n_g, p.extent);
+#endif
+#if RAYS
   return segment_occluded(p.x, p.n_g, p.extent, light.position.xyz, light.normal.xyz, 0.) ? 0. : 1.;
-#elif VISIBILITY == VISIBILITY_voxels
+#elif VOXELS
   vec3 d = light.position.xyz + .5 * grid.cascade[0].w * light.normal.xyz - p.x;
   float r = length(d);
   return march(p.x, d / max(r, 1e-30), p.n_g, r).transmittance;
@@ -72,7 +77,7 @@ void gather(Point p, uint first, uint end, float b, out vec3 given, out vec3 tak
   for (uint j = first; j < end; ++j) {
     float g = geometry_term(p, vpls[j].position.xyz, vpls[j].normal.xyz);
     if (g <= 0.) continue;
-    float v = visibility(p, vpls[j]);
+    float v = visibility(p, j);
     vec3 intensity = inverse_pi * v * vpls[j].flux.rgb;
     given += intensity * min(g, b);
     taken += intensity * max(g - b, 0.);

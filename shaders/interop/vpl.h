@@ -23,5 +23,10 @@ struct VplSet {
   ivec4 count;     // x: paths; y: most lights of a path
 };
 LOOM_STRUCT_SIZE(VplSet, 16);
+// The bundle struct of VplShadows.
+struct VplShadows {
+  ivec4 count;     // x: side of a map, texels; y: maps
+};
+LOOM_STRUCT_SIZE(VplShadows, 16);
 LOOM_INTEROP_END
 #endif

@@ -15,6 +15,17 @@ vec3 octahedral_decode(vec2 p) {
   return normalize(vec3(z >= 0. ? p : (1. - abs(p.yx)) * side, z));
 }
 
+// The same for the hemisphere about +z alone, over the whole square: the diamond of its directions, turned by 45°.
+vec2 hemisphere_encode(vec3 w) {
+  vec2 p = w.xy / max(abs(w.x) + abs(w.y) + max(0., w.z), 1e-30);
+  return vec2(p.x + p.y, p.x - p.y);
+}
+
+vec3 hemisphere_decode(vec2 e) {
+  vec2 p = .5 * vec2(e.x + e.y, e.x - e.y);
+  return normalize(vec3(p, 1. - abs(p.x) - abs(p.y)));
+}
+
 // The texel of a map of size² that continues it beyond its border by one: each edge is glued to itself, turned round
 // its middle, and each corner to the opposite one.
 ivec2 octahedral_wrap(ivec2 texel, int size) {

@@ -87,7 +87,8 @@ INSTANTIATE_TEST_SUITE_P(Shipped, Pipelines,
                                            "cone-trace-fast", "radiance-field-fast", "radiance-field-voxel-fast",
                                            "screen-space-fast", "ambient-occlusion-fast", "lpv-near-fast",
                                            "radiance-field-near-fast", "instant-radiosity-fast",
-                                           "instant-radiosity-voxel", "prt-fast", "visibility-field", "gbuffer"),
+                                           "instant-radiosity-voxel", "instant-radiosity-shadow-maps", "prt-fast",
+                                           "visibility-field", "gbuffer"),
                          [](const auto& parameter) {
                            std::string name = parameter.param;
                            std::replace(name.begin(), name.end(), '-', '_');
