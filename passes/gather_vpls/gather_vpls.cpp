@@ -94,9 +94,7 @@ class GatherVpls final : public Pass {
     facts_ = facts;
     mapped_ = mapped && !shadows.absent();
     voxels_ = (mapped || visibility_ == "voxels") && !voxels.absent();
-    at_once_ = visibility_ == "none"  ? untraced_at_once
-               : mapped_ && !voxels_ ? mapped_at_once
-                                     : traced_at_once;
+    at_once_ = visibility_ == "none" ? untraced_at_once : mapped_ && !voxels_ ? mapped_at_once : traced_at_once;
     // Rows of paths are as equal as they can be.
     const int rows = LOOM_VPL_GROUPS / (interleave_ * interleave_) + 1;
     const int most = vpls.attribute("most", 1);

@@ -72,8 +72,8 @@ class VplShadowMaps final : public Pass {
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
-    select_ = device.program({.files = {"vpl_shadow_maps/select.comp"},
-                              .defines = {{"COUNTS", bindings.has("counts.image") ? "1" : "0"}}});
+    select_ = device.program(
+        {.files = {"vpl_shadow_maps/select.comp"}, .defines = {{"COUNTS", bindings.has("counts.image") ? "1" : "0"}}});
     trace_ = device.program({.files = {"vpl_shadow_maps/trace.comp"}, .defines = scene_defines(facts_)});
   }
 
@@ -101,5 +101,6 @@ class VplShadowMaps final : public Pass {
 }  // namespace
 
 LOOM_PLUGIN("vpl_shadow_maps", registry) {
-  registry.add<VplShadowMaps>("VplShadowMaps", "What the brightest virtual point lights see, as small hemispherical maps");
+  registry.add<VplShadowMaps>("VplShadowMaps",
+                              "What the brightest virtual point lights see, as small hemispherical maps");
 }

@@ -151,7 +151,8 @@ TEST_F(VplShadowMapsTest, OnlyWhatWasReplacedIsTraced) {
   Bench bench(*device_, scene);
   bench.look({0, 1, 1.5}, {0, .1, -.9}, .3);
   const auto moved = [&](std::vector<std::string> disabled) {
-    bench.render(pipeline, {.size = {16, 16}, .set = {{"shadows", "size", "8"}}, .disabled_rules = std::move(disabled)});
+    bench.render(pipeline,
+                 {.size = {16, 16}, .set = {{"shadows", "size", "8"}}, .disabled_rules = std::move(disabled)});
     EXPECT_EQ(bench.read("maps").at(0, 0).y, bench.read("maps").at(0, 0).x);
     bench.pose(1);
     bench.next_frame();
