@@ -165,7 +165,7 @@ void Ports::side_effect() { has_side_effect = true; }
 bool Ports::rule(std::string_view name) const { return !rule_enabled_ || rule_enabled_(name); }
 
 void Ports::decide(std::string rule, std::string decision, std::string evidence) {
-  decisions.push_back({std::move(rule), std::move(decision), std::move(evidence), {}});
+  if (this->rule(rule)) decisions.push_back({std::move(rule), std::move(decision), std::move(evidence), {}});
 }
 
 void Ports::error(std::string code, std::string message, std::string hint) {

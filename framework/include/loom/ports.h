@@ -143,7 +143,7 @@ class LOOM_API Ports {
   /// The pass has an effect beyond its outputs (a readback, a file) and is never culled.
   void side_effect();
 
-  /// False where `--no-prune` switched this rule off.
+  /// False where `--no-prune` switched this rule off; a rule that is off decides nothing.
   [[nodiscard]] bool rule(std::string_view name) const;
   void decide(std::string rule, std::string decision, std::string evidence);
   /// A wiring that the pass cannot work with; becomes a diagnostic at the pass.
