@@ -15,7 +15,7 @@ namespace loom::cli {
 namespace {
 
 struct Arguments {
-  std::string scene, camera;
+  std::string scene, camera, surfaces;
   bool again = false;
 };
 
@@ -29,7 +29,7 @@ int required_order(const SceneMeasurements& measured) {
 }
 
 void run(const Arguments& arguments, const Session& session) {
-  LoadedScene loaded = load_scene(arguments.scene, arguments.camera);
+  LoadedScene loaded = load_scene(arguments.scene, arguments.camera, arguments.surfaces);
   if (!loaded.facts.measured || arguments.again) {
     loaded.facts.measured = reference::measure_scene(loaded.setup.scene, loaded.setup.camera);
     reference::cache_measurements(loaded.facts.content_hash, *loaded.facts.measured);
@@ -57,6 +57,7 @@ void add_analyse(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "A .gltf, .glb or run file; without it the built-in Cornell box");
   command->add_option("--camera", arguments->camera, "A camera's name in the file, or a JSON object");
+  add_surfaces_option(*command, arguments->surfaces);
   command->add_flag("--again", arguments->again, "Measure also where the cache knows the scene");
   add_json_option(*command, session);
   add_plugin_option(*command, session);

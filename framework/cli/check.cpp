@@ -16,13 +16,13 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> pipelines;
-  std::string scene;
+  std::string scene, surfaces;
 };
 
 void run(const Arguments& arguments, Session& session) {
   Diagnostics all;
   const Registry registry = load_registry(session, &all);
-  const LoadedScene scene = load_scene(arguments.scene);
+  const LoadedScene scene = load_scene(arguments.scene, "", arguments.surfaces);
   const Diagnostics refused = all;
   all = {};
   bool bad = false;
@@ -62,6 +62,7 @@ void add_check(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("pipelines", arguments->pipelines, "Pipeline files, or names of shipped ones")->required();
   command->add_option("--scene", arguments->scene, "Check for this scene; default: the built-in one");
+  add_surfaces_option(*command, arguments->surfaces);
   add_json_option(*command, session);
   add_plugin_option(*command, session);
   command->callback([arguments, &session] { run(*arguments, session); });

@@ -8,7 +8,7 @@
 namespace loom::cli {
 namespace {
 
-const std::vector<std::string> rules = {"achromatic", "no-emission", "no-alpha", "no-normal-map",   "static", "bands",
+const std::vector<std::string> rules = {"achromatic", "no-emission", "no-alpha", "no-normal-map",   "no-specular", "static", "bands",
                                         "bounces",    "iterations",  "bounds",   "sleeping-probes", "unread"};
 
 graph::Override parse_override(const std::string& text) {
@@ -23,15 +23,26 @@ graph::Override parse_override(const std::string& text) {
 
 }  // namespace
 
-LoadedScene load_scene(const std::string& scene, const std::string& camera) {
+LoadedScene load_scene(const std::string& scene, const std::string& camera, const std::string& surfaces) {
   Diagnostics diagnostics;
   LoadedScene loaded;
-  loaded.setup = scene::load_setup(find_scene(scene), camera, diagnostics);
+  loaded.setup = scene::load_setup(find_scene(scene), camera, diagnostics, parse_surfaces(surfaces));
   if (diagnostics.has_errors()) throw BadInput(diagnostics);
   report(diagnostics);
   loaded.facts = scene::compute_facts(loaded.setup.scene);
   loaded.facts.measured = reference::cached_measurements(loaded.facts.content_hash);
   return loaded;
+}
+
+void add_surfaces_option(CLI::App& command, std::string& surfaces) {
+  command.add_option("--surfaces", surfaces, "What surfaces reflect: diffuse light alone, or glTF's whole material")
+      ->type_name("lambert|ggx");
+}
+
+std::optional<scene::SurfaceModel> parse_surfaces(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  if (const auto model = scene::surface_model(text)) return model;
+  throw bad_usage("--surfaces " + text + ": expected lambert or ggx");
 }
 
 void add_scene_options(CLI::App& command, CompileArguments& arguments) {
@@ -44,6 +55,7 @@ void add_scene_options(CLI::App& command, CompileArguments& arguments) {
       ->type_name("PASS.PARAM=VALUE")
       ->allow_extra_args(false);
   command.add_option("--camera", arguments.camera, "A camera's name in the file, or a JSON object as in a run file");
+  add_surfaces_option(command, arguments.surfaces);
 }
 
 void add_compile_options(CLI::App& command, CompileArguments& arguments) {

@@ -1,5 +1,6 @@
 #pragma once
 // A scene and a pipeline as the command line names them, up to the compiled graph.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,16 @@ struct LoadedScene {
   scene::Setup setup;
   SceneFacts facts;
 };
-LoadedScene load_scene(const std::string& scene, const std::string& camera = {});
+/// `surfaces`: lambert, ggx, or empty: what the run file says. Throws BadInput.
+LoadedScene load_scene(const std::string& scene, const std::string& camera = {}, const std::string& surfaces = {});
+/// `--surfaces`, for every command that takes a scene.
+void add_surfaces_option(CLI::App& command, std::string& surfaces);
+/// Nothing where the text is empty. Throws BadInput.
+std::optional<scene::SurfaceModel> parse_surfaces(const std::string& text);
 
 /// The options of every subcommand that compiles one pipeline, and what they come to.
 struct CompileArguments {
-  std::string scene, pipeline, camera, size;
+  std::string scene, pipeline, camera, surfaces, size;
   std::vector<std::string> set;
   std::vector<std::string> no_prune;
   bool no_alias = false;

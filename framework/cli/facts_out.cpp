@@ -24,6 +24,12 @@ Json measured_json(const SceneMeasurements& m, const glm::dvec3& origin) {
           {"irradiance_above_order", above}};
 }
 
+const char* reflection(const SceneFacts& facts) {
+  if (!facts.ggx) return "diffuse (lambert)";
+  if (!facts.specular) return "ggx, every surface matte";
+  return facts.transmission ? "ggx: specular and transparent surfaces" : "ggx: specular surfaces";
+}
+
 const char* yes(bool value) { return value ? "yes" : "no"; }
 
 void print_box(const char* name, const glm::dvec3& low, const glm::dvec3& high) {
@@ -58,6 +64,9 @@ void add_facts(Json& document, const SceneFacts& facts, const glm::dvec3& origin
   document["emitted_power_w"] = facts.emitted_power;
   document["alpha_mask"] = facts.alpha_mask;
   document["normal_maps"] = facts.normal_maps;
+  document["surfaces"] = facts.ggx ? "ggx" : "lambert";
+  document["specular"] = facts.specular;
+  document["transmission"] = facts.transmission;
   document["moves"] = facts.moves;
   document["moving_triangles"] = facts.moving_triangles;
   document["geometry_moves"] = facts.geometry_moves;
@@ -74,6 +83,7 @@ void print_facts(const SceneFacts& f, const glm::dvec3& origin) {
   std::printf("  albedo      at most %.3g, chroma at most %.3g\n", f.max_albedo, f.max_chroma);
   std::printf("  emission    %d triangles, %g m2, %g W, at most %g W/(m2 sr)\n", f.emissive_triangles, f.emissive_area,
               f.emitted_power, f.max_emission);
+  std::printf("  reflection  %s\n", reflection(f));
   std::printf("  surfaces    alpha mask %s, normal maps %s, textures %s\n", yes(f.alpha_mask), yes(f.normal_maps),
               yes(f.textures));
   std::printf("  moves       geometry %s (%zu triangles), lights %s, camera %s\n", yes(f.geometry_moves),

@@ -15,12 +15,12 @@ namespace loom::cli {
 namespace {
 
 struct Arguments {
-  std::string pipeline, scene, format = "svg", out;
+  std::string pipeline, scene, surfaces, format = "svg", out;
 };
 
 void run(const Arguments& arguments, const Session& session) {
   const Registry registry = load_registry(session);
-  const LoadedScene scene = load_scene(arguments.scene);
+  const LoadedScene scene = load_scene(arguments.scene, "", arguments.surfaces);
   const graph::CompiledGraph graph = compile(find_pipeline(arguments.pipeline), registry, scene.facts, {});
   std::string text;
   if (arguments.format == "json") {
@@ -46,6 +46,7 @@ void add_graph(CLI::App& app, Session& session) {
       ->check(CLI::IsMember({"svg", "dot", "json"}))
       ->capture_default_str();
   command->add_option("--scene", arguments->scene, "Draw what this scene requires; default: the built-in one");
+  add_surfaces_option(*command, arguments->surfaces);
   command->add_option("-o,--out", arguments->out, "Write to this file; default: stdout");
   add_plugin_option(*command, session);
   command->callback([arguments, &session] { run(*arguments, session); });

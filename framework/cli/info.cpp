@@ -87,16 +87,17 @@ void print_info(const LoadedScene& loaded) {
 
 void add_info(CLI::App& app, Session& session) {
   struct Arguments {
-    std::string scene, camera;
+    std::string scene, camera, surfaces;
   };
   auto* command = app.add_subcommand("info", "Show what is in a scene, as Lightloom reads it");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "A .gltf, .glb or run file; without it the built-in Cornell box");
   command->add_option("--camera", arguments->camera, "A camera's name in the file, or a JSON object");
+  add_surfaces_option(*command, arguments->surfaces);
   add_json_option(*command, session);
   add_plugin_option(*command, session);
   command->callback([arguments, &session] {
-    const LoadedScene loaded = load_scene(arguments->scene, arguments->camera);
+    const LoadedScene loaded = load_scene(arguments->scene, arguments->camera, arguments->surfaces);
     if (session.json) {
       print(info_json(loaded));
     } else {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "cli/compile_arguments.h"
 #include "cli/json_out.h"
 #include "core/image_io.h"
 #include "loom/diagnostic.h"
@@ -30,7 +31,7 @@ constexpr std::uint32_t default_samples = 256;
 constexpr glm::ivec2 default_size{512, 512};
 
 struct Arguments {
-  std::string scene, camera, size, output;
+  std::string scene, camera, surfaces, size, output;
   std::optional<std::uint32_t> samples;
   std::optional<double> noise;
   std::optional<int> bounces;
@@ -219,7 +220,8 @@ void map_photons(const Arguments& arguments, const Session& session, const scene
 
 void render(const Arguments& arguments, const Session& session) {
   Diagnostics diagnostics;
-  const scene::Setup setup = scene::load_setup(find_scene(arguments.scene), arguments.camera, diagnostics);
+  const scene::Setup setup = scene::load_setup(find_scene(arguments.scene), arguments.camera, diagnostics,
+                                               parse_surfaces(arguments.surfaces));
   report(diagnostics);
   const glm::ivec2 size = arguments.size.empty() ? setup.size.value_or(default_size) : parse_size(arguments.size);
   if (arguments.method == "photons") return map_photons(arguments, session, setup, size);
@@ -263,6 +265,7 @@ void add_reference(CLI::App& app, Session& session) {
   command->add_option("--seed", arguments->seed, "Runs with different seeds are independent and can be merged");
   command->add_option("--size", arguments->size, "WxH (default: the run file's, or 512x512)");
   command->add_option("--camera", arguments->camera, "A camera of the scene by name, or JSON as in a run file");
+  add_surfaces_option(*command, arguments->surfaces);
   command->add_option("--threads", arguments->threads, "0 = all; the image does not depend on it");
   command->add_option(
       "--method", arguments->method,

@@ -16,6 +16,7 @@ void run(const CompileArguments& arguments, const Session& session) {
   viewer::Options options{.scene = find_scene(arguments.scene),
                           .pipeline = arguments.pipeline.empty() ? "" : find_pipeline(arguments.pipeline),
                           .camera = arguments.camera,
+                          .surfaces = parse_surfaces(arguments.surfaces),
                           .set = parse_overrides(arguments.set),
                           .plugin_dirs = session.plugin_dirs};
   if (!arguments.size.empty()) options.size = parse_size(arguments.size);

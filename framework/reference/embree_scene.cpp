@@ -49,7 +49,25 @@ class MaterialPoint {
     float metallic = geometry_.material->metallic;
     if (geometry_.textured)
       metallic *= texture(geometry_.material->metallic_roughness_texture, scene::Encoding::linear).b;
-    return glm::vec3(base_color()) * (1 - metallic);
+    const glm::vec3 diffuse = glm::vec3(base_color()) * (1 - metallic);
+    return geometry_.glossy ? diffuse * (1 - geometry_.material->transmission) : diffuse;
+  }
+  /// Of a glossy material: docs/specular.md.
+  void set_specular(SurfacePoint& s) const {
+    const scene::Material& m = *geometry_.material;
+    float metallic = m.metallic, roughness = m.roughness;
+    if (geometry_.textured) {
+      const glm::vec4 texel = texture(m.metallic_roughness_texture, scene::Encoding::linear);
+      metallic *= texel.b;
+      roughness *= texel.g;
+    }
+    const float amplitude = (m.ior - 1) / (m.ior + 1);
+    s.glossy = true;
+    s.alpha = roughness * roughness;
+    s.base_color = glm::vec3(base_color());
+    s.f0 = glm::mix(glm::vec3(amplitude * amplitude), s.base_color, metallic);
+    s.transmission = m.transmission * (1 - metallic);
+    s.ior = m.ior;
   }
   [[nodiscard]] glm::vec3 emission() const {
     const glm::vec3 factor = geometry_.material->emissive;
@@ -151,6 +169,7 @@ void EmbreeScene::add(const scene::Scene& scene, const scene::Instance& instance
       glm::dmat3(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]), glm::cross(linear[0], linear[1])) *
       (determinant < 0 ? -1. : 1.));
   g.orientation = determinant < 0 ? -1.F : 1.F;
+  g.glossy = scene.surfaces == scene::SurfaceModel::ggx && g.material->glossy();
   g.textured = any_texture(*g.material) || !primitive.colors.empty();
 
   RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -176,6 +195,10 @@ void EmbreeScene::add(const scene::Scene& scene, const scene::Instance& instance
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(embree_.get(), geometry, static_cast<unsigned int>(geometries_.size() - 1));
   rtcReleaseGeometry(geometry);
+}
+
+bool EmbreeScene::any_glossy() const {
+  return std::any_of(geometries_.begin(), geometries_.end(), [](const Geometry& g) { return g.glossy; });
 }
 
 void EmbreeScene::intersect(const int* valid, RTCRayHit16& rays, bool coherent) const {
@@ -230,6 +253,10 @@ SurfacePoint EmbreeScene::surface(const TrianglePoint& at, const glm::vec3& dire
   const glm::vec3 n = MaterialPoint::normalized(material.normal());
   s.normal = n == glm::vec3(0) ? s.geometric_normal : (back_side ? -n : n);
   s.albedo = material.albedo();
+  if (g.glossy) {
+    material.set_specular(s);
+    s.inside = back_side;
+  }
   if (g.first_emitter >= 0 && (!back_side || g.material->double_sided)) {
     s.emission = material.emission();
     s.emitter = g.first_emitter + static_cast<int>(at.triangle);

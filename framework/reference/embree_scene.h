@@ -27,6 +27,7 @@ struct Geometry {
   glm::mat3 normal_matrix{1};            ///< inverse transpose of the instance's linear part
   glm::mat3 linear{1};
   float orientation = 1;   ///< −1 where the instance mirrors: the front is where the corners run clockwise
+  bool glossy = false;     ///< under scene::SurfaceModel::ggx, and more than diffuse
   bool textured = false;   ///< textures or vertex colours: shading needs UVs
   int first_emitter = -1;  ///< Lights: the emitter of triangle i is first_emitter + i; −1 = does not emit
 };
@@ -36,13 +37,25 @@ struct SurfacePoint {
   glm::vec3 position{0};          ///< recentred, metres
   glm::vec3 geometric_normal{0};  ///< unit
   glm::vec3 normal{0};            ///< unit, shading
-  glm::vec3 albedo{0};            ///< ρ = baseColor·(1−metallic)
+  glm::vec3 albedo{0};            ///< ρ = baseColor·(1−metallic)·(1−transmission)
   glm::vec3 emission{0};          ///< exitant radiance towards the viewer, W/(m² sr)
   float offset = 0;               ///< metres; how far off the surface rays start
   int emitter = -1;
+  // What follows is of a surface that is more than diffuse (scene::SurfaceModel::ggx), `glossy`; docs/specular.md.
+  bool glossy = false;
+  bool inside = false;         ///< seen from behind: where it is glass, from within
+  float alpha = 1;             ///< of GGX: roughness²
+  float transmission = 0;      ///< share that is glass
+  float ior = 1.5F;            ///< index of refraction
+  glm::vec3 f0{0};             ///< reflectance along the normal
+  glm::vec3 base_color{1};     ///< what glass lets through
 
   /// Where rays that leave the surface start.
   [[nodiscard]] glm::vec3 start() const { return position + geometric_normal * offset; }
+  /// The same for a ray along `direction`, which may go through the surface.
+  [[nodiscard]] glm::vec3 start(const glm::vec3& direction) const {
+    return position + geometric_normal * (glm::dot(geometric_normal, direction) < 0 ? -offset : offset);
+  }
 };
 
 /// Where on which triangle: Embree's barycentrics, (1−u−v)·a + u·b + v·c.
@@ -75,6 +88,8 @@ class EmbreeScene {
   [[nodiscard]] static float offset(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
 
   [[nodiscard]] const std::vector<Geometry>& geometries() const { return geometries_; }
+  /// Whether some surface is more than diffuse.
+  [[nodiscard]] bool any_glossy() const;
   [[nodiscard]] std::vector<Geometry>& geometries() { return geometries_; }
 
  private:

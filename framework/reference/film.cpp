@@ -16,7 +16,7 @@ namespace {
 bool finite(const glm::vec3& v) { return std::isfinite(v.x + v.y + v.z); }
 
 bool finite(const Sample& s) {
-  return finite(s.radiance) && finite(s.direct) && finite(s.emitter) && finite(s.bounce) && finite(s.albedo) &&
+  return finite(s.radiance) && finite(s.direct) && finite(s.emitter) && finite(s.bounce) && finite(s.specular) && finite(s.albedo) &&
          finite(s.normal) && std::isfinite(s.depth);
 }
 
@@ -45,6 +45,7 @@ void Film::add(PixelSums& sums, const Sample& sample) {
   sums.direct += glm::dvec3(sample.direct);
   sums.emitter += glm::dvec3(sample.emitter);
   sums.bounce += glm::dvec3(sample.bounce);
+  sums.specular += glm::dvec3(sample.specular);
   sums.albedo += glm::dvec3(sample.albedo);
   sums.normal += glm::dvec3(sample.normal);
   sums.depth += static_cast<double>(sample.depth);
@@ -91,6 +92,9 @@ glm::dvec3 Film::mean(const PixelSums& sums, Layer layer) {
       break;
     case Layer::normal:
       total = sums.normal;
+      break;
+    case Layer::specular:
+      total = sums.specular;
       break;
   }
   return total / std::max(1., static_cast<double>(sums.count));
@@ -144,6 +148,9 @@ ImageLayers Film::layers() const {
   for (const auto& [prefix, layer] : layers) {
     add(prefix, [which = layer](const PixelSums& pixel) { return mean(pixel, which); });
   }
+  if (std::any_of(pixels_.begin(), pixels_.end(), [](const PixelSums& p) { return p.specular != glm::dvec3(0); })) {
+    add("specular.", [](const PixelSums& pixel) { return mean(pixel, Layer::specular); });
+  }
   add("stderr.", [](const PixelSums& pixel) { return standard_error(pixel); });
   for (const PixelSums& p : pixels_) {
     // Over the hits: a mean with the misses would be the depth of nothing at a silhouette.
@@ -176,6 +183,7 @@ void Film::merge(const Film& other) {
     a.direct += b.direct;
     a.emitter += b.emitter;
     a.bounce += b.bounce;
+    a.specular += b.specular;
     a.albedo += b.albedo;
     a.normal += b.normal;
     a.depth += b.depth;

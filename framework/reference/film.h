@@ -22,6 +22,7 @@ inline constexpr int replicates = 16;
 struct Sample {
   glm::vec3 radiance{0};                       ///< W/(m² sr)
   glm::vec3 direct{0}, emitter{0}, bounce{0};  ///< irradiance, W/m²
+  glm::vec3 specular{0};                       ///< the part of the radiance that the visible surface mirrors
   glm::vec3 albedo{0}, normal{0};
   float depth = 0;   ///< metres along the ray
   bool hit = false;  ///< false: the sky, all but radiance is zero
@@ -36,6 +37,7 @@ struct PixelSums {
   std::uint32_t hits = 0;        ///< samples that met a surface
   std::uint32_t non_finite = 0;  ///< samples that were not finite and count as zero
   std::uint32_t unused = 0;
+  glm::dvec3 specular{0};
 };
 
 /// What must agree for two accumulations to be of one picture.
@@ -46,7 +48,7 @@ struct FilmIdentity {
 };
 
 /// A quantity of the visible surface, as the EXR and the passes have it.
-enum class Layer { radiance, direct, emitter, bounce, indirect, albedo, normal };
+enum class Layer { radiance, direct, emitter, bounce, indirect, albedo, normal, specular };
 
 class LOOM_API Film {
  public:
@@ -78,7 +80,8 @@ class LOOM_API Film {
   /// Root of the relMSE that the standard errors predict: √ mean over pixels and channels of σ²/(mean²+1e-2).
   [[nodiscard]] double relative_error() const;
 
-  /// All layers of the EXR: R G B, direct, emitter, bounce, indirect, albedo, normal, depth.Z, stderr.
+  /// All layers of the EXR: R G B, direct, emitter, bounce, indirect, albedo, normal, depth.Z, stderr; and specular,
+  /// where something is.
   [[nodiscard]] ImageLayers layers() const;
 
   /// Adds `other`. Throws BadInput where it is of another picture, or holds a seed that is already in here.

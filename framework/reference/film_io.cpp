@@ -21,9 +21,11 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 static_assert(std::is_trivially_copyable_v<PixelSums>);
-static_assert(sizeof(PixelSums) == (3 * replicates + 15 + 1 + 2) * sizeof(double), "no padding goes to disk");
+static_assert(sizeof(PixelSums) == (3 * replicates + 15 + 1 + 2 + 3) * sizeof(double), "no padding goes to disk");
 
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
+/// Version 1 ended before `specular`, which is zero then.
+constexpr std::size_t first_pixel_bytes = offsetof(PixelSums, specular);
 constexpr std::uint64_t most_pixels = 1U << 28U;  // 16384²: what a header may ask for before memory is taken
 
 struct Header {
@@ -87,13 +89,14 @@ Film Film::load(const std::string& path) {
   Header header;
   if (!in.read(reinterpret_cast<char*>(&header), sizeof header)) damaged(path, "it is too short");
   if (header.magic != Header{}.magic) damaged(path, "it is not one");
-  if (header.version != version || header.pixel_bytes != sizeof(PixelSums)) {
+  const std::size_t pixel_bytes = header.version == 1 ? first_pixel_bytes : sizeof(PixelSums);
+  if (header.version < 1 || header.version > version || header.pixel_bytes != pixel_bytes) {
     damaged(path,
             "it is of version " + std::to_string(header.version) + ", this program writes " + std::to_string(version));
   }
   const std::uint64_t pixels =
       static_cast<std::uint64_t>(std::max(0, header.width)) * static_cast<std::uint64_t>(std::max(0, header.height));
-  const std::uint64_t expected = sizeof header + 8ULL * header.seeds + sizeof(PixelSums) * pixels + 8;
+  const std::uint64_t expected = sizeof header + 8ULL * header.seeds + pixel_bytes * pixels + 8;
   in.seekg(0, std::ios::end);
   if (pixels == 0 || pixels > most_pixels || static_cast<std::uint64_t>(in.tellg()) != expected) {
     damaged(path, "its length does not fit its header");
@@ -113,8 +116,11 @@ Film Film::load(const std::string& path) {
   film.rays = header.rays;
   film.seeds_.resize(header.seeds);
   std::memcpy(film.seeds_.data(), &bytes[sizeof header], 8 * film.seeds_.size());
-  std::memcpy(film.pixels_.data(), &bytes[sizeof header + 8 * film.seeds_.size()],
-              sizeof(PixelSums) * film.pixels_.size());
+  const std::byte* from = &bytes[sizeof header + 8 * film.seeds_.size()];
+  for (PixelSums& sums : film.pixels_) {
+    std::memcpy(&sums, from, pixel_bytes);
+    from += pixel_bytes;
+  }
   return film;
 }
 

@@ -40,6 +40,16 @@ std::size_t at(int lane) { return static_cast<std::size_t>(lane); }
 
 }  // namespace
 
+glm::vec3 camera_ray(const interop::Camera& camera, glm::ivec2 pixel, glm::vec2 inside, glm::vec3& eye) {
+  const bool orthographic = camera.eye.w != 0;
+  const glm::vec2 size(camera.size.x, camera.size.y);
+  const float a = 2 * (static_cast<float>(pixel.x) + inside.x) / size.x - 1;
+  const float b = 1 - 2 * (static_cast<float>(pixel.y) + inside.y) / size.y;
+  const glm::vec3 plane = glm::vec3(camera.right) * a + glm::vec3(camera.up) * b;
+  eye = glm::vec3(camera.eye) + (orthographic ? plane : glm::vec3(0));
+  return glm::normalize(glm::vec3(camera.forward) + (orthographic ? glm::vec3(0) : plane));
+}
+
 Integrator::Integrator(const EmbreeScene& geometry, const Lights& lights, const Options& options)
     : geometry_(geometry), lights_(lights), options_(options) {}
 
@@ -60,8 +70,6 @@ void Integrator::trace(const interop::Camera& camera, glm::ivec2 pixel, std::uin
 }
 
 void Integrator::start(const interop::Camera& camera, glm::ivec2 pixel, std::uint32_t first, int count) {
-  const bool orthographic = camera.eye.w != 0;
-  const glm::vec2 size(camera.size.x, camera.size.y);
   const auto number = static_cast<std::uint64_t>(pixel.y) * static_cast<std::uint64_t>(camera.size.x) +
                       static_cast<std::uint64_t>(pixel.x);
   for (int i = 0; i < lanes; ++i) {
@@ -72,12 +80,7 @@ void Integrator::start(const interop::Camera& camera, glm::ivec2 pixel, std::uin
     path = {};
     path.sampler = PathSampler(options_.seed, number, s % replicates, s / replicates);
     const glm::vec2 inside = path.sampler.pair(pixel_set);
-    const float a = 2 * (static_cast<float>(pixel.x) + inside.x) / size.x - 1;
-    const float b = 1 - 2 * (static_cast<float>(pixel.y) + inside.y) / size.y;
-    const glm::vec3 plane = glm::vec3(camera.right) * a + glm::vec3(camera.up) * b;
-    const glm::vec3 eye = glm::vec3(camera.eye) + (orthographic ? plane : glm::vec3(0));
-    path.direction = glm::normalize(glm::vec3(camera.forward) + (orthographic ? glm::vec3(0) : plane));
-    path.at.position = eye;
+    path.direction = camera_ray(camera, pixel, inside, path.at.position);
     samples_[at(i)] = {};
   }
   intersect(true);

@@ -14,6 +14,9 @@ namespace loom::reference {
 
 static_assert(lanes == replicates);
 
+/// The ray through `inside` (0 … 1 each way, v down) of a pixel: its unit direction, and where it starts.
+glm::vec3 camera_ray(const interop::Camera& camera, glm::ivec2 pixel, glm::vec2 inside, glm::vec3& eye);
+
 class Integrator {
  public:
   Integrator(const EmbreeScene& geometry, const Lights& lights, const Options& options);

@@ -21,8 +21,10 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "loom/diagnostic.h"
 #include "reference/embree_scene.h"
 #include "reference/lights.h"
+#include "reference/packet.h"
 #include "reference/path_tracer.h"
 #include "reference/photon_sources.h"
 #include "reference/sampler.h"
@@ -55,38 +57,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 float shading_ratio(const glm::vec3& normal, const glm::vec3& geometric, const glm::vec3& direction) {
   return std::max(0.F, -glm::dot(normal, direction)) / std::max(1e-3F, -glm::dot(geometric, direction));
 }
-
-/// Rays of sixteen lanes; those that are not valid are left out.
-class Packet {
- public:
-  void put(int lane, const glm::vec3& origin, const glm::vec3& direction) {
-    RTCRay16& ray = rays_.ray;
-    ray.org_x[lane] = origin.x;
-    ray.org_y[lane] = origin.y;
-    ray.org_z[lane] = origin.z;
-    ray.dir_x[lane] = direction.x;
-    ray.dir_y[lane] = direction.y;
-    ray.dir_z[lane] = direction.z;
-    ray.tnear[lane] = 0;
-    ray.tfar[lane] = std::numeric_limits<float>::infinity();
-    ray.time[lane] = 0;
-    ray.mask[lane] = ~0U;
-    ray.flags[lane] = 0;
-    rays_.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-    rays_.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-  }
-  void trace(const EmbreeScene& scene, const int* valid, bool coherent) { scene.intersect(valid, rays_, coherent); }
-  [[nodiscard]] bool hit(int lane) const { return rays_.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID; }
-  [[nodiscard]] float distance(int lane) const { return rays_.ray.tfar[lane]; }
-  [[nodiscard]] TrianglePoint point(int lane) const {
-    return {.geometry = rays_.hit.geomID[lane],
-            .triangle = rays_.hit.primID[lane],
-            .uv = {rays_.hit.u[lane], rays_.hit.v[lane]}};
-  }
-
- private:
-  alignas(64) RTCRayHit16 rays_{};
-};
 
 /// Photons sorted into cells no smaller than the disc, so that eight hold all that a disc may reach.
 class PhotonMap {
@@ -275,7 +245,15 @@ void PhotonMapper::State::gather_row(Film& film, const interop::Camera& camera, 
 }
 
 PhotonMapper::PhotonMapper(const scene::Scene& scene, const glm::dvec3& origin, const PhotonOptions& options)
-    : state_(std::make_unique<State>(scene, origin, options)) {}
+    : state_(std::make_unique<State>(scene, origin, options)) {
+  if (!state_->geometry.any_glossy()) return;
+  Diagnostic diagnostic;
+  diagnostic.code = "photons-diffuse";
+  diagnostic.message = "photon mapping follows diffuse light alone, and surfaces here are ggx";
+  diagnostic.where.file = scene.path;
+  diagnostic.hint = "leave --method photons out, or give --surfaces lambert";
+  throw BadInput(diagnostic);
+}
 PhotonMapper::~PhotonMapper() = default;
 PhotonMapper::PhotonMapper(PhotonMapper&&) noexcept = default;
 PhotonMapper& PhotonMapper::operator=(PhotonMapper&&) noexcept = default;

@@ -152,6 +152,12 @@ std::uint64_t content_hash(const Scene& scene) {
   for (const Light& light : scene.lights) add(hash, light);
   for (const Camera& camera : scene.cameras) add(hash, camera);
   hash.value(scene.sky);
+  if (scene.surfaces == SurfaceModel::lambert) return hash.result();  // nothing below is looked at then
+  hash.value(scene.surfaces);
+  for (const Material& material : scene.materials) {
+    hash.value(material.ior);
+    hash.value(material.transmission);
+  }
   return hash.result();
 }
 

@@ -84,7 +84,13 @@ std::vector<MaterialReach> material_reaches(const Scene& scene) {
     const Material& m = scene.materials[i];
     // A metallic texture only takes diffuse albedo away, so the factor alone is the bound where there is none.
     const double diffuse = m.metallic_roughness_texture.image < 0 ? 1 - static_cast<double>(m.metallic) : 1.0;
-    reaches[i].albedo = reach_of(scene, glm::dvec3(m.base_color) * diffuse, m.base_color_texture);
+    const bool ggx = scene.surfaces == SurfaceModel::ggx;
+    const double opaque = ggx ? 1 - static_cast<double>(m.transmission) : 1;
+    reaches[i].albedo = reach_of(scene, glm::dvec3(m.base_color) * (diffuse * opaque), m.base_color_texture);
+    // The base colour of a metal, and of what is seen through a transparent surface, colours light too.
+    if (ggx && m.glossy()) {
+      reaches[i].albedo.chroma = reach_of(scene, glm::dvec3(m.base_color), m.base_color_texture).chroma;
+    }
     reaches[i].emission = reach_of(scene, glm::dvec3(m.emissive), m.emissive_texture);
   });
   return reaches;
@@ -160,6 +166,7 @@ SceneFacts compute_facts(const Scene& scene) {
   SceneFacts facts;
   count_lights(scene, facts);
   facts.sky = scene.sky != glm::vec3(0);
+  facts.ggx = scene.surfaces == SurfaceModel::ggx;
   facts.max_chroma = std::max(facts.max_chroma, chroma(glm::dvec3(scene.sky)));
   const std::vector<MaterialReach> reaches = material_reaches(scene);
   std::vector<bool> used(scene.materials.size(), false);
@@ -187,6 +194,8 @@ SceneFacts compute_facts(const Scene& scene) {
     facts.emissive_textures = facts.emissive_textures || m.emissive_texture.image >= 0;
     facts.alpha_mask = facts.alpha_mask || m.alpha == AlphaMode::mask;
     facts.normal_maps = facts.normal_maps || m.normal_texture.image >= 0;
+    facts.specular = facts.specular || (facts.ggx && m.glossy());
+    facts.transmission = facts.transmission || (facts.ggx && m.transmission > 0);
     facts.textures = facts.textures || m.base_color_texture.image >= 0 || m.metallic_roughness_texture.image >= 0 ||
                      m.normal_texture.image >= 0 || m.emissive_texture.image >= 0;
   }

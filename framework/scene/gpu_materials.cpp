@@ -55,7 +55,9 @@ std::vector<interop::Material> material_records(const Scene& scene) {
     interop::Material record{};
     record.base_color = material.base_color;
     record.emissive = glm::vec4(material.emissive, material.least_alpha());
-    record.factors = {material.metallic, material.normal_scale, material.roughness, 0};
+    const bool ggx = scene.surfaces == SurfaceModel::ggx;
+    record.factors = {material.metallic, material.normal_scale, material.roughness, ggx ? material.transmission : 0};
+    record.dielectric = {material.ior, 0, 0, 0};
     const auto flag = [&](bool on, unsigned int bit) { record.flags.x |= on ? bit : 0U; };
     const bool masked = material.alpha == AlphaMode::mask;
     flag(image_of(scene, material.base_color_texture) != nullptr, MATERIAL_BASE_COLOR_TEXTURE);
@@ -64,6 +66,7 @@ std::vector<interop::Material> material_records(const Scene& scene) {
     flag(image_of(scene, material.metallic_roughness_texture) != nullptr, MATERIAL_METALLIC_TEXTURE);
     flag(masked, MATERIAL_MASK);
     flag(material.double_sided, MATERIAL_DOUBLE_SIDED);
+    flag(ggx && material.glossy(), MATERIAL_SPECULAR);
     flag(!material.base_color_texture.repeat_u, MATERIAL_ALPHA_CLAMP_U);
     flag(!material.base_color_texture.repeat_v, MATERIAL_ALPHA_CLAMP_V);
     record.flags.y = masked ? layer++ : 0xffffffffU;
@@ -86,6 +89,7 @@ glm::vec3 mean_albedo(const Scene& scene, const Material& material) {
   if (const Image* image = image_of(scene, material.metallic_roughness_texture)) {
     metallic *= mean_texel(*image, Encoding::linear).b;
   }
+  if (scene.surfaces == SurfaceModel::ggx) base *= 1 - material.transmission;
   return base * (1 - metallic);
 }
 

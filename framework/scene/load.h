@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,7 +34,11 @@ struct Setup {
 /// JSON object as in a run file. Adds the headlamp where nothing at all emits, and says so (`headlamp`): a point light
 /// at the camera, of π·d² W/sr, where d is the distance from the camera to the centre of the scene's box (at least a
 /// quarter of its diagonal). A surface there that faces it gets E = π W/m², so its radiance is its albedo.
-LOOM_API Setup load_setup(const std::string& path, const std::string& camera, Diagnostics& diagnostics);
+/// `surfaces`: instead of what the run file says.
+LOOM_API Setup load_setup(const std::string& path, const std::string& camera, Diagnostics& diagnostics,
+                          std::optional<SurfaceModel> surfaces = {});
+/// "lambert" or "ggx"; nothing for any other word.
+LOOM_API std::optional<SurfaceModel> surface_model(std::string_view name);
 
 /// Moves everything to where it is at `time_s` of the first animation (bind pose where there is none): node matrices,
 /// lights, cameras, instances, skinned vertices. Returns false where nothing moved.

@@ -3,7 +3,9 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -125,7 +127,14 @@ void replace_lights(Scene& scene, std::vector<Light> lights) {
 
 }  // namespace
 
-Setup load_setup(const std::string& path, const std::string& camera, Diagnostics& diagnostics) {
+std::optional<SurfaceModel> surface_model(std::string_view name) {
+  if (name == "lambert") return SurfaceModel::lambert;
+  if (name == "ggx") return SurfaceModel::ggx;
+  return std::nullopt;
+}
+
+Setup load_setup(const std::string& path, const std::string& camera, Diagnostics& diagnostics,
+                 std::optional<SurfaceModel> surfaces) {
   RunFile run;
   run.scene = path;
   if (extension_of(path) == ".json") run = read_run_file(path);
@@ -134,7 +143,13 @@ Setup load_setup(const std::string& path, const std::string& camera, Diagnostics
   if (run.scene.empty()) run.scene = builtin_scene();
 
   Setup setup;
-  setup.scene = gltf::load(run.scene, diagnostics);
+  Diagnostics found;
+  setup.scene = gltf::load(run.scene, found);
+  setup.scene.surfaces = surfaces.value_or(run.surfaces);
+  for (const Diagnostic& diagnostic : found.all()) {
+    // Only where all surfaces are diffuse is a metal black.
+    if (diagnostic.code != "gltf-metal" || setup.scene.surfaces == SurfaceModel::lambert) diagnostics.add(diagnostic);
+  }
   setup.size = run.size;
   setup.pipeline = run.pipeline;
   setup.set = std::move(run.set);

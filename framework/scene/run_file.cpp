@@ -12,6 +12,8 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "scene/load.h"
+
 namespace loom::scene {
 namespace {
 
@@ -247,6 +249,18 @@ std::optional<glm::ivec2> read_size(Reader& reader, const Node* node) {
   return glm::ivec2(static_cast<int>(*width), static_cast<int>(*height));
 }
 
+SurfaceModel read_surfaces(Reader& reader, const Node* node) {
+  const std::string name = reader.text(node, "surfaces");
+  if (node == nullptr || !node->is(Kind::string)) return SurfaceModel::lambert;
+  const std::optional<SurfaceModel> model = surface_model(name);
+  if (!model) {
+    const std::string nearest = nearest_name(name, {"lambert", "ggx"});
+    reader.error(*node, "run-range", "there are no surfaces \"" + name + "\"",
+                 nearest.empty() ? "they may be lambert or ggx" : "did you mean \"" + nearest + "\"?");
+  }
+  return model.value_or(SurfaceModel::lambert);
+}
+
 std::optional<CameraChoice> read_camera_choice(Reader& reader, const Node* node) {
   if (node == nullptr) return std::nullopt;
   if (node->is(Kind::string)) return CameraChoice{node->string, node->where};
@@ -311,7 +325,7 @@ RunFile read_run_file(const std::string& path) {
   Reader reader(diagnostics);
   // A file that cannot be parsed has said so already.
   if (root.is(Kind::null) && diagnostics.has_errors()) throw BadInput(std::move(diagnostics));
-  if (reader.object(root, "a run file", {"$schema", "scene", "camera", "lights", "sky", "size", "pipeline", "set"})) {
+  if (reader.object(root, "a run file", {"$schema", "scene", "camera", "lights", "sky", "surfaces", "size", "pipeline", "set"})) {
     const fs::path folder = fs::path(path).parent_path();
     run.scene = read_path(reader, root.find("scene"), "scene", folder);
     run.pipeline = read_path(reader, root.find("pipeline"), "pipeline", folder);
@@ -324,6 +338,7 @@ RunFile read_run_file(const std::string& path) {
       if (const std::optional<glm::dvec3> radiance = reader.vector(sky->find("radiance"), "radiance", 0))
         run.sky = glm::vec3(*radiance);
     }
+    run.surfaces = read_surfaces(reader, root.find("surfaces"));
     run.size = read_size(reader, root.find("size"));
     run.set = read_set(reader, root.find("set"));
   }

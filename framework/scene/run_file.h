@@ -28,6 +28,7 @@ struct RunFile {
   std::optional<CameraChoice> camera;
   std::optional<std::vector<Light>> lights;
   std::optional<glm::vec3> sky;
+  SurfaceModel surfaces = SurfaceModel::lambert;
   std::optional<glm::ivec2> size;
   std::vector<std::pair<std::string, std::string>> set;
 };

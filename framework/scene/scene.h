@@ -34,10 +34,15 @@ struct TextureRef {
 
 enum class AlphaMode { opaque, mask };
 
+/// What light does at surfaces (docs/specular.md): diffuse alone, or glTF's metallic-roughness material.
+enum class SurfaceModel { lambert, ggx };
+
 struct Material {
   std::string name;
   glm::vec4 base_color{1};  ///< linear; a = alpha
   float metallic = 0, roughness = 1;
+  float ior = 1.5F;        ///< KHR_materials_ior: index of refraction of the dielectric
+  float transmission = 0;  ///< KHR_materials_transmission: share of its light that is refracted, not diffuse
   glm::vec3 emissive{0};  ///< emissiveFactor × strength: exitant radiance, W/(m² sr)
   float normal_scale = 1;
   float alpha_cutoff = .5f;
@@ -50,6 +55,13 @@ struct Material {
   TextureRef metallic_roughness_texture;  ///< linear: g roughness, b metallic
   TextureRef normal_texture;              ///< linear
   TextureRef emissive_texture;            ///< sRGB
+
+  /// Whether it reflects as more than a diffuse surface under SurfaceModel::ggx: it is metal, smoother than rough or
+  /// transparent, at some point. What is none of these is matte: diffuse alone.
+  [[nodiscard]] bool glossy() const {
+    return metallic > 0 || roughness < 1 || transmission > 0 ||
+           (metallic_roughness_texture.image >= 0 && roughness > 0);
+  }
 };
 
 /// Indexed triangles of one material. normals, uvs, colors and tangents are empty or as long as positions.
@@ -148,6 +160,7 @@ struct Scene {
   std::vector<Light> lights;       ///< world space, in order of appearance
   std::vector<Camera> cameras;     ///< world space
   glm::vec3 sky{0};                ///< constant radiance, W/(m² sr)
+  SurfaceModel surfaces = SurfaceModel::lambert;
   std::uint64_t content_hash = 0;  ///< of everything above
 };
 

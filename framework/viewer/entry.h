@@ -8,6 +8,7 @@
 #include <glm/vec2.hpp>
 
 #include "graph/compile/compile.h"
+#include "scene/scene.h"
 
 namespace loom::viewer {
 
@@ -15,6 +16,7 @@ struct Options {
   std::string scene;     ///< path; empty: the built-in one
   std::string pipeline;  ///< path; empty: the run file's, else `lpv`
   std::string camera;    ///< as --camera
+  std::optional<scene::SurfaceModel> surfaces = {};  ///< none: as the scene says
   std::vector<graph::Override> set;
   std::optional<glm::ivec2> size;  ///< of the frame; none: the view's size
   std::vector<std::string> plugin_dirs;

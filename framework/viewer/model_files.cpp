@@ -52,7 +52,7 @@ bool Model::use_setup(std::unique_ptr<scene::Setup> setup, Edits edits) {
 bool Model::open_scene(const std::string& path) {
   try {
     Diagnostics warnings;
-    auto setup = std::make_unique<scene::Setup>(scene::load_setup(path, "", warnings));
+    auto setup = std::make_unique<scene::Setup>(scene::load_setup(path, "", warnings, options_.surfaces));
     Edits edits = edits_;
     if (!setup->pipeline.empty()) {
       edits.pipeline = pipeline_file(setup->pipeline);

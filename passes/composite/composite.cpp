@@ -1,8 +1,12 @@
 // Composite: the radiance towards the viewer,
 //
-//   L = L_e + ρ/π · (E_direct + E_indirect),
+//   L = L_e + ρ/π · (1 − E(μ)) · (E_direct + E_indirect) + L_s,
 //
-// the rendering equation for a Lambertian surface (Kajiya 1986), whose BRDF is ρ/π. Where no surface is seen, L is the
+// the rendering equation (Kajiya 1986) for a diffuse surface, whose BRDF is ρ/π, under a specular one that reflects the
+// share E(μ) of what it sees (directional albedo, μ the cosine of the view, docs/specular.md): the light under it has
+// come through on its way in and out, and diffuse light is what is left of it. On the way in the factor is its mean
+// over directions, which the energy balance turns into the normalisation: exact where light is the same from all
+// sides. Without specular surfaces E = 0. L_s, the radiance that they reflect, is the input `specular`. Where no surface is seen, L is the
 // radiance of the sky. An input that is not wired, or carries nothing, counts as zero. `reflected` leaves L_e and the
 // sky out: what a method needs that gathers one more bounce from the picture.
 #include <algorithm>
@@ -27,14 +31,21 @@ class Composite final : public Pass {
     auto surface = ports.in("surface", "Surface").reads("depth").reads("albedo");
     const bool all = parts_ == "all";
     if (all) surface.reads("emission");
+    if (facts.specular) surface.reads("specular").reads("normal");
     const auto direct = ports.in("direct", "Irradiance").optional().reads("irradiance");
     const auto indirect = ports.in("indirect", "Irradiance").optional().reads("irradiance");
+    const auto specular = ports.in("specular", "Image").optional().reads("image");
     auto radiance = ports.out("radiance", "Image");
     if (surface.absent()) return radiance.absent(surface.why_absent());
-    if (!all && direct.absent() && indirect.absent()) return radiance.absent("no light is reflected");
-    lit_ = {all && surface.texture("emission") != nullptr, !direct.absent(), !indirect.absent(), all};
+    if (!all && direct.absent() && indirect.absent() && specular.absent()) return radiance.absent("no light is reflected");
+    lit_ = {.emission = all && surface.texture("emission") != nullptr,
+            .direct = !direct.absent(),
+            .indirect = !indirect.absent(),
+            .specular = !specular.absent(),
+            .coat = facts.specular && surface.texture("specular") != nullptr,
+            .sky = all};
     // The sky is the scene's.
-    const int channels = std::max(rules::channels({surface, direct, indirect}), rules::channels(ports, facts));
+    const int channels = std::max(rules::channels({surface, direct, indirect, specular}), rules::channels(ports, facts));
     radiance.texture("image", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
                      Access::image_write);
     radiance.attribute("channels", channels);
@@ -47,6 +58,8 @@ class Composite final : public Pass {
                                .defines = {{"EMISSION", flag(lit_.emission)},
                                            {"DIRECT", flag(lit_.direct)},
                                            {"INDIRECT", flag(lit_.indirect)},
+                                           {"SPECULAR", flag(lit_.specular)},
+                                           {"COAT", flag(lit_.coat)},
                                            {"SKY", flag(lit_.sky)}}});
   }
 
@@ -56,7 +69,7 @@ class Composite final : public Pass {
 
  private:
   struct Lit {
-    bool emission = false, direct = false, indirect = false, sky = false;
+    bool emission = false, direct = false, indirect = false, specular = false, coat = false, sky = false;
   } lit_;
   std::string parts_ = "all";
   std::shared_ptr<const Program> program_;
@@ -65,5 +78,5 @@ class Composite final : public Pass {
 }  // namespace
 
 LOOM_PLUGIN("composite", registry) {
-  registry.add<Composite>("Composite", "Radiance from albedo, emission and irradiance; sky where nothing is seen");
+  registry.add<Composite>("Composite", "Radiance from albedo, emission, irradiance and what is reflected; sky where nothing is seen");
 }

@@ -2,8 +2,10 @@
 //   depth             distance along the camera ray, metres; 0 where nothing is seen
 //   normal            unit shading normal (normal map included), world, on the viewer's side of the triangle
 //   geometric_normal  unit normal of the triangle, world, towards the viewer
-//   albedo            ρ = baseColor·(1−metallic), textures and vertex colours included
+//   albedo            ρ = baseColor·(1−metallic)·(1−transmission), textures and vertex colours included
 //   emission          exitant radiance towards the viewer, W/(m² sr)
+//   specular          rgb: F₀, reflectance along the normal; a: α = roughness² of GGX; where surfaces are ggx and glossy
+//   transmission      r: share of the dielectric's light that is refracted, g: its index of refraction; likewise
 // Nothing is culled; masked materials are cut by their alpha; the back of a single-sided face does not emit. The bundle
 // struct is the camera, its sub-pixel shift included.
 #include <array>
@@ -39,12 +41,14 @@ struct Member {
 // Half floats: a unit vector's component is off by 2⁻¹¹ at most (a slope of .03°; drivers may round or cut off), an
 // albedo by 2⁻¹¹ of itself, also where it is dark. Depth rebuilds positions and emission may be 1e6 W/(m² sr), beyond
 // half floats: both keep all 24 bits.
-constexpr std::array<Member, 5> members{{
+constexpr std::array<Member, 7> members{{
     {"surface.depth", "depth", Format::r32f, "DEPTH"},
     {"surface.normal", "normal", Format::rgba16f, "NORMAL"},
     {"surface.geometric_normal", "geometric_normal", Format::rgba16f, "GEOMETRIC_NORMAL"},
     {"surface.albedo", "albedo", Format::rgba16f, "ALBEDO", true},
     {"surface.emission", "emission", Format::rgba32f, "EMISSION", true},
+    {"surface.specular", "specular", Format::rgba16f, "SPECULAR"},
+    {"surface.transmission", "transmission", Format::rg16f, "TRANSMISSION"},
 }};
 
 class GBuffer final : public Pass {
@@ -52,15 +56,22 @@ class GBuffer final : public Pass {
   void reflect(Ports& ports, const SceneFacts& facts) override {
     const auto size = ports.frame_size();
     const bool emission = facts.emissive_triangles > 0 || !ports.rule("no-emission");
+    const bool specular = facts.specular || (facts.ggx && !ports.rule("no-specular"));
     const int channels = rules::channels(ports, facts);
     auto surface = ports.out("surface", "Surface").attribute("channels", channels);
     for (const Member& member : members) {
       if (member.name == "emission" && !emission) continue;
+      if (member.name == "specular" && !specular) continue;
+      if (member.name == "transmission" && !facts.transmission) continue;
       const TextureDesc desc = TextureDesc::image(size, member.format);
       surface.texture(member.name, member.color ? desc.with_channels(channels) : desc, Access::color);
     }
     ports.scratch("depth", TextureDesc::image(size, Format::depth32f), Access::depth);
     if (!emission) ports.decide("no-emission", "no emission is written", "no surface emits");
+
+    if (facts.ggx && !specular) {
+      ports.decide("no-specular", "no specular reflectance is written", "every surface is matte");
+    }
 
     facts_ = facts;
     if (!facts.normal_maps) {

@@ -1,8 +1,19 @@
-// L = L_e + ρ/π · (E_direct + E_indirect); the sky where depth is 0.
+// L = L_e + ρ/π · (1 − E(μ)) · (E_direct + E_indirect) + L_s; the sky where depth is 0.
 layout(local_size_x = 8, local_size_y = 8) in;
 #if SKY
 #include "interop/frame.h"
 layout(std140) uniform frame_data { FrameData frame; };
+#endif
+#if COAT
+#include "interop/camera.h"
+#include "lib/camera.glsl"
+#include "lib/ggx.glsl"
+layout(std140) uniform surface_data { Camera camera; };
+uniform sampler2D surface_normal;
+uniform sampler2D surface_specular;
+#endif
+#if SPECULAR
+uniform sampler2D specular_image;
 #endif
 uniform sampler2D surface_depth;
 uniform sampler2D surface_albedo;
@@ -17,7 +28,9 @@ uniform sampler2D indirect_irradiance;
 #endif
 writeonly uniform image2D radiance_image;
 
+#if !COAT
 const float pi = 3.14159265358979;
+#endif
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -36,6 +49,15 @@ void main() {
     irradiance += texelFetch(indirect_irradiance, pixel, 0).rgb;
 #endif
     radiance = texelFetch(surface_albedo, pixel, 0).rgb * irradiance / pi;
+#if COAT
+    vec3 n = normalize(texelFetch(surface_normal, pixel, 0).xyz);
+    vec4 specular = texelFetch(surface_specular, pixel, 0);
+    float mu = max(0., -dot(n, ray_direction(camera, pixel_uv(camera, pixel))));
+    radiance *= 1. - ggx_albedo(mu, specular.a, specular.rgb);
+#endif
+#if SPECULAR
+    radiance += texelFetch(specular_image, pixel, 0).rgb;
+#endif
 #if EMISSION
     radiance += texelFetch(surface_emission, pixel, 0).rgb;
 #endif

@@ -20,6 +20,12 @@ layout(location = 3) out vec4 out_albedo;
 #ifdef EMISSION
 layout(location = 4) out vec4 out_emission;
 #endif
+#ifdef SPECULAR
+layout(location = 5) out vec4 out_specular;
+#endif
+#ifdef TRANSMISSION
+layout(location = 6) out vec4 out_transmission;
+#endif
 
 // Distance along the ray through the pixel's sample.
 float ray_depth() {
@@ -42,6 +48,12 @@ void main() {
 #endif
 #ifdef EMISSION
   out_emission = vec4(surface_emission(), 1);
+#endif
+#ifdef SPECULAR
+  out_specular = surface_specular();
+#endif
+#ifdef TRANSMISSION
+  out_transmission = vec4(surface_transmission(), surface_ior(), 0, 0);
 #endif
 #ifdef SCENE_ALPHA_MASK
   if (!surface_visible()) discard;

@@ -18,6 +18,7 @@ LOOM_STRUCT_SIZE(Draw, 144);
 #define MATERIAL_DOUBLE_SIDED 32u
 #define MATERIAL_ALPHA_CLAMP_U 64u  // scene_alpha repeats; these clamp its u or v to the outermost texel centres
 #define MATERIAL_ALPHA_CLAMP_V 128u
+#define MATERIAL_SPECULAR 256u      // surfaces are ggx, and this one is metal, smoother than rough or transparent
 struct TextureTransform {  // uv' = (row0 · (u,v,1), row1 · (u,v,1)); row0.w: UV set 0 or 1
   vec4 row0;
   vec4 row1;
@@ -26,12 +27,13 @@ LOOM_STRUCT_SIZE(TextureTransform, 32);
 struct Material {
   vec4 base_color;   // linear Rec.709; a: alpha
   vec4 emissive;     // rgb: exitant radiance W/(m² sr); w: alpha cutoff
-  vec4 factors;      // x: metallic, y: normal scale, z: roughness
+  vec4 factors;      // x: metallic, y: normal scale, z: roughness, w: transmission (0 where surfaces are lambert)
   uvec4 flags;       // x: MATERIAL_*; y: layer of scene_alpha (masked materials) or 0xffffffff
   TextureTransform base_color_uv, normal_uv, emissive_uv, metallic_uv;
   vec4 mean_albedo;  // rgb: diffuse albedo averaged over its textures, for ray hits (which sample no texture)
+  vec4 dielectric;   // x: index of refraction
 };
-LOOM_STRUCT_SIZE(Material, 208);
+LOOM_STRUCT_SIZE(Material, 224);
 // A triangle that emits, with its mean radiance (textures averaged over the triangle's area).
 struct Emitter {
   vec4 a, b, c;      // xyz: corners, world, metres; a.w: area m²; b.w: 1 = emits on both sides; c.w: cumulative power share

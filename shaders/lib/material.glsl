@@ -1,5 +1,5 @@
 // Fragment stage of every scene draw: what the surface is. Sample everything before `discard`, so that derivatives are
-// defined. Surfaces: diffuse albedo ρ = baseColor·(1−metallic); nothing is culled; the back of a single-sided face
+// defined. Surfaces: diffuse albedo ρ = baseColor·(1−metallic)·(1−transmission); nothing is culled; the back of a single-sided face
 // reflects but does not emit.
 #ifndef LOOM_LIB_MATERIAL_GLSL
 #define LOOM_LIB_MATERIAL_GLSL
@@ -16,7 +16,7 @@ layout(std430) readonly restrict buffer scene_triangles { vec4 triangle_normals[
 // Bound by SceneView::draw, material by material.
 uniform sampler2D material_base_color;  // linear rgb (decoded from sRGB) and alpha
 uniform sampler2D material_emissive;    // linear rgb
-uniform sampler2D material_metallic;    // b: metallic
+uniform sampler2D material_metallic;    // g: roughness, b: metallic
 #endif
 #ifdef SCENE_NORMAL_MAPS
 uniform sampler2D material_normal;
@@ -55,14 +55,36 @@ bool surface_visible() {
 #endif
 }
 
-vec3 surface_albedo() {
+float surface_metallic() {
   float metallic = materials[vertex.ids.x].factors.x;
 #ifdef SCENE_TEXTURES
   if (has_flag(MATERIAL_METALLIC_TEXTURE)) {
     metallic *= texture(material_metallic, vertex.metallic_uv).b;
   }
 #endif
-  return surface_base_color().rgb * (1. - metallic);
+  return metallic;
+}
+
+// Share of the light that passes the outside of a dielectric and is refracted; 0 where surfaces are lambert.
+float surface_transmission() { return materials[vertex.ids.x].factors.w; }
+float surface_ior() { return materials[vertex.ids.x].dielectric.x; }
+
+vec3 surface_albedo() {
+  return surface_base_color().rgb * (1. - surface_metallic()) * (1. - surface_transmission());
+}
+
+// rgb: F₀ = mix(((ior−1)/(ior+1))², baseColor, metallic), reflectance along the normal; a: α = roughness² of the GGX
+// distribution. Matte surfaces have F₀ = 0: none of their light is specular.
+vec4 surface_specular() {
+  if (!has_flag(MATERIAL_SPECULAR)) return vec4(0, 0, 0, 1);
+  float roughness = materials[vertex.ids.x].factors.z;
+#ifdef SCENE_TEXTURES
+  if (has_flag(MATERIAL_METALLIC_TEXTURE)) {
+    roughness *= texture(material_metallic, vertex.metallic_uv).g;
+  }
+#endif
+  float ior = surface_ior(), amplitude = (ior - 1.) / (ior + 1.);
+  return vec4(mix(vec3(amplitude * amplitude), surface_base_color().rgb, surface_metallic()), roughness * roughness);
 }
 
 // Exitant radiance of a side that emits, W/(m² sr).

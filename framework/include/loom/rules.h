@@ -6,6 +6,8 @@
 //
 // Some need no function, since the fact decides alone:
 //   no-emission    no triangle emits, the sky is black: zero is not stored, not traced and not added. The same bits.
+//   no-specular    surfaces are ggx, and none in use is metal, smoother than rough or transparent: F₀ is 0 everywhere.
+//                  The same bits.
 //   no-alpha       no material is masked: nothing is discarded. The same bits.
 //   no-normal-map  no material has one: the tangent frame is not read. The same bits.
 //   static         nothing moves: Ports::keep_outputs() holds. A pass runs again when its parameters, what its wires

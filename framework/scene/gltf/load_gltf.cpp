@@ -19,8 +19,8 @@ namespace loom::scene {
 namespace gltf {
 namespace {
 
-constexpr std::array<std::string_view, 8> understood{"EXT_meshopt_compression", "KHR_draco_mesh_compression",
-                                                     "KHR_lights_punctual",     "KHR_materials_emissive_strength",
+constexpr std::array<std::string_view, 10> understood{"EXT_meshopt_compression", "KHR_draco_mesh_compression",
+                                                     "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_transmission",
                                                      "KHR_mesh_quantization",   "KHR_node_visibility",
                                                      "KHR_texture_transform",   "KHR_materials_pbrSpecularGlossiness"};
 /// Metadata, and choices of which the file's own default is drawn.

@@ -46,6 +46,7 @@ class MaterialReader {
       material.emissive[c] =
           static_cast<float>(clamped(value, "emissiveFactor", emissive[static_cast<std::size_t>(c)], 0, 1) * strength);
     }
+    read_dielectric(value, material);
     material.emissive_texture = read_texture(value, "emissiveTexture");
     if (material.emissive == glm::vec3(0)) material.emissive_texture.image = -1;
     material.normal_texture = read_texture(value, "normalTexture");
@@ -93,6 +94,22 @@ class MaterialReader {
     material.metallic = 0;
     material.roughness =
         1 - static_cast<float>(clamped(value, "glossinessFactor", value.number("glossinessFactor", 1), 0, 1));
+  }
+
+  void read_dielectric(const Value& value, Material& material) {
+    if (const std::optional<Value> extension = value.extension("KHR_materials_ior")) {
+      // 0 stands for an infinite index in the extension, which reflects everything: a metal says that better.
+      const double ior = extension->number("ior", material.ior);
+      material.ior = static_cast<float>(clamped(*extension, "ior", ior, 1, 100));
+    }
+    if (const std::optional<Value> extension = value.extension("KHR_materials_transmission")) {
+      const double factor = extension->number("transmissionFactor", 0);
+      material.transmission = static_cast<float>(clamped(*extension, "transmissionFactor", factor, 0, 1));
+      if (extension->find("transmissionTexture")) {
+        document_.warn("gltf-texture", "a texture of transmission is not read: the factor counts everywhere",
+                       extension->pointer());
+      }
+    }
   }
 
   void read_alpha(const Value& value, Material& material) {
