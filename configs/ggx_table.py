@@ -8,7 +8,7 @@ import math
 import pathlib
 
 SIDE = 16
-POINTS = 64  # a side of the square over which the mean is taken, by the midpoint rule
+RINGS, SECTORS = 512, 32  # points of the disc over which the mean is taken: its rim holds the steepest normals
 
 HEAD = """// The share of light that a GGX surface reflects, as a table: configs/ggx_table.py writes this file.
 #ifndef LOOM_INTEROP_GGX_H
@@ -44,10 +44,10 @@ def albedo(mu, alpha):
     vx, vz = alpha * math.sqrt(1 - mu * mu), mu
     length = math.hypot(vx, vz)
     vx, vz = vx / length, vz / length
-    for i in range(POINTS):
-        r = math.sqrt((i + .5) / POINTS)
-        for j in range(POINTS):
-            phi = 2 * math.pi * (j + .5) / POINTS
+    for i in range(RINGS):
+        r = math.sqrt((i + .5) / RINGS)
+        for j in range(SECTORS):
+            phi = 2 * math.pi * (j + .5) / SECTORS
             p, q = r * math.cos(phi), r * math.sin(phi)
             q = (1 - (1 + vz) / 2) * math.sqrt(1 - p * p) + (1 + vz) / 2 * q
             w = math.sqrt(max(0., 1 - p * p - q * q))
@@ -62,7 +62,7 @@ def albedo(mu, alpha):
             share = (1 - min(1., c)) ** 5
             a += weight * (1 - share)
             b += weight * share
-    return a / POINTS ** 2, b / POINTS ** 2
+    return a / (RINGS * SECTORS), b / (RINGS * SECTORS)
 
 
 def main():

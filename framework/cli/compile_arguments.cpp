@@ -8,8 +8,9 @@
 namespace loom::cli {
 namespace {
 
-const std::vector<std::string> rules = {"achromatic", "no-emission", "no-alpha", "no-normal-map",   "no-specular", "static", "bands",
-                                        "bounces",    "iterations",  "bounds",   "sleeping-probes", "unread"};
+const std::vector<std::string> rules = {"achromatic",  "no-emission", "no-alpha",        "no-normal-map",
+                                        "no-specular", "static",      "bands",           "bounces",
+                                        "iterations",  "bounds",      "sleeping-probes", "unread"};
 
 graph::Override parse_override(const std::string& text) {
   const std::size_t equals = text.find('=');

@@ -220,8 +220,8 @@ void map_photons(const Arguments& arguments, const Session& session, const scene
 
 void render(const Arguments& arguments, const Session& session) {
   Diagnostics diagnostics;
-  const scene::Setup setup = scene::load_setup(find_scene(arguments.scene), arguments.camera, diagnostics,
-                                               parse_surfaces(arguments.surfaces));
+  const scene::Setup setup =
+      scene::load_setup(find_scene(arguments.scene), arguments.camera, diagnostics, parse_surfaces(arguments.surfaces));
   report(diagnostics);
   const glm::ivec2 size = arguments.size.empty() ? setup.size.value_or(default_size) : parse_size(arguments.size);
   if (arguments.method == "photons") return map_photons(arguments, session, setup, size);

@@ -84,9 +84,10 @@ const std::vector<BundleType>& builtin_bundles() {
        .struct_bytes = sizeof(interop::VplSet),
        .doc = "Virtual point lights; `most`: how many there can be, `orders`: of one path"},
       {.name = "VplShadows",
-       .members = {{"maps", texture, "m",
-                    "octahedral map of each light's hemisphere: unit normal of what it sees, and distance (0: nothing)"},
-                   {"of", buffer, "", "by light: 1 + layer of its map, 0 = it has none"}},
+       .members =
+           {{"maps", texture, "m",
+             "octahedral map of each light's hemisphere: unit normal of what it sees, and distance (0: nothing)"},
+            {"of", buffer, "", "by light: 1 + layer of its map, 0 = it has none"}},
        .struct_bytes = sizeof(interop::VplShadows),
        .doc = "What the brightest lights of a VplSet see, one layer a light"},
       {.name = "Irradiance",

@@ -43,12 +43,12 @@ struct SurfacePoint {
   int emitter = -1;
   // What follows is of a surface that is more than diffuse (scene::SurfaceModel::ggx), `glossy`; docs/specular.md.
   bool glossy = false;
-  bool inside = false;         ///< seen from behind: where it is glass, from within
-  float alpha = 1;             ///< of GGX: roughness²
-  float transmission = 0;      ///< share that is glass
-  float ior = 1.5F;            ///< index of refraction
-  glm::vec3 f0{0};             ///< reflectance along the normal
-  glm::vec3 base_color{1};     ///< what glass lets through
+  bool inside = false;      ///< seen from behind: where it is glass, from within
+  float alpha = 1;          ///< of GGX: roughness²
+  float transmission = 0;   ///< share that is glass
+  float ior = 1.5F;         ///< index of refraction
+  glm::vec3 f0{0};          ///< reflectance along the normal
+  glm::vec3 base_color{1};  ///< what glass lets through
 
   /// Where rays that leave the surface start.
   [[nodiscard]] glm::vec3 start() const { return position + geometric_normal * offset; }

@@ -16,8 +16,8 @@ namespace {
 bool finite(const glm::vec3& v) { return std::isfinite(v.x + v.y + v.z); }
 
 bool finite(const Sample& s) {
-  return finite(s.radiance) && finite(s.direct) && finite(s.emitter) && finite(s.bounce) && finite(s.specular) && finite(s.albedo) &&
-         finite(s.normal) && std::isfinite(s.depth);
+  return finite(s.radiance) && finite(s.direct) && finite(s.emitter) && finite(s.bounce) && finite(s.specular) &&
+         finite(s.albedo) && finite(s.normal) && std::isfinite(s.depth);
 }
 
 /// Samples of replicate r among `count`.

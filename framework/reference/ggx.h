@@ -58,8 +58,7 @@ inline float ggx_shadowing(float mu_v, float mu_l, float alpha) {
 inline glm::vec3 ggx_sample_normal(const glm::vec3& v, float alpha, glm::vec2 u) {
   const glm::vec3 stretched = glm::normalize(glm::vec3(alpha * v.x, alpha * v.y, v.z));
   const float across = stretched.x * stretched.x + stretched.y * stretched.y;
-  const glm::vec3 t =
-      across > 0 ? glm::vec3(-stretched.y, stretched.x, 0) / std::sqrt(across) : glm::vec3(1, 0, 0);
+  const glm::vec3 t = across > 0 ? glm::vec3(-stretched.y, stretched.x, 0) / std::sqrt(across) : glm::vec3(1, 0, 0);
   const glm::vec3 b = glm::cross(stretched, t);
   const float r = std::sqrt(u.x), phi = 2 * std::numbers::pi_v<float> * u.y;
   const float p = r * std::cos(phi), s = (1 + stretched.z) / 2;

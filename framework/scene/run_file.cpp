@@ -325,7 +325,8 @@ RunFile read_run_file(const std::string& path) {
   Reader reader(diagnostics);
   // A file that cannot be parsed has said so already.
   if (root.is(Kind::null) && diagnostics.has_errors()) throw BadInput(std::move(diagnostics));
-  if (reader.object(root, "a run file", {"$schema", "scene", "camera", "lights", "sky", "surfaces", "size", "pipeline", "set"})) {
+  if (reader.object(root, "a run file",
+                    {"$schema", "scene", "camera", "lights", "sky", "surfaces", "size", "pipeline", "set"})) {
     const fs::path folder = fs::path(path).parent_path();
     run.scene = read_path(reader, root.find("scene"), "scene", folder);
     run.pipeline = read_path(reader, root.find("pipeline"), "pipeline", folder);

@@ -43,7 +43,7 @@ struct Material {
   float metallic = 0, roughness = 1;
   float ior = 1.5F;        ///< KHR_materials_ior: index of refraction of the dielectric
   float transmission = 0;  ///< KHR_materials_transmission: share of its light that is refracted, not diffuse
-  glm::vec3 emissive{0};  ///< emissiveFactor × strength: exitant radiance, W/(m² sr)
+  glm::vec3 emissive{0};   ///< emissiveFactor × strength: exitant radiance, W/(m² sr)
   float normal_scale = 1;
   float alpha_cutoff = .5f;
   /// Alpha from which a masked surface is there. A constant alpha that equals the cutoff passes, though interpolating
@@ -157,9 +157,9 @@ struct Scene {
   std::vector<Skin> skins;
   std::vector<Animation> animations;
   std::vector<Instance> instances;
-  std::vector<Light> lights;       ///< world space, in order of appearance
-  std::vector<Camera> cameras;     ///< world space
-  glm::vec3 sky{0};                ///< constant radiance, W/(m² sr)
+  std::vector<Light> lights;    ///< world space, in order of appearance
+  std::vector<Camera> cameras;  ///< world space
+  glm::vec3 sky{0};             ///< constant radiance, W/(m² sr)
   SurfaceModel surfaces = SurfaceModel::lambert;
   std::uint64_t content_hash = 0;  ///< of everything above
 };

@@ -13,9 +13,9 @@
 namespace loom::viewer {
 
 struct Options {
-  std::string scene;     ///< path; empty: the built-in one
-  std::string pipeline;  ///< path; empty: the run file's, else `lpv`
-  std::string camera;    ///< as --camera
+  std::string scene;                                 ///< path; empty: the built-in one
+  std::string pipeline;                              ///< path; empty: the run file's, else `lpv`
+  std::string camera;                                ///< as --camera
   std::optional<scene::SurfaceModel> surfaces = {};  ///< none: as the scene says
   std::vector<graph::Override> set;
   std::optional<glm::ivec2> size;  ///< of the frame; none: the view's size

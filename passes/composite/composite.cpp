@@ -6,9 +6,9 @@
 // share E(μ) of what it sees (directional albedo, μ the cosine of the view, docs/specular.md): the light under it has
 // come through on its way in and out, and diffuse light is what is left of it. On the way in the factor is its mean
 // over directions, which the energy balance turns into the normalisation: exact where light is the same from all
-// sides. Without specular surfaces E = 0. L_s, the radiance that they reflect, is the input `specular`. Where no surface is seen, L is the
-// radiance of the sky. An input that is not wired, or carries nothing, counts as zero. `reflected` leaves L_e and the
-// sky out: what a method needs that gathers one more bounce from the picture.
+// sides. Without specular surfaces E = 0. L_s, the radiance that they reflect, is the input `specular`. Where no
+// surface is seen, L is the radiance of the sky. An input that is not wired, or carries nothing, counts as zero.
+// `reflected` leaves L_e and the sky out: what a method needs that gathers one more bounce from the picture.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -37,7 +37,8 @@ class Composite final : public Pass {
     const auto specular = ports.in("specular", "Image").optional().reads("image");
     auto radiance = ports.out("radiance", "Image");
     if (surface.absent()) return radiance.absent(surface.why_absent());
-    if (!all && direct.absent() && indirect.absent() && specular.absent()) return radiance.absent("no light is reflected");
+    if (!all && direct.absent() && indirect.absent() && specular.absent())
+      return radiance.absent("no light is reflected");
     lit_ = {.emission = all && surface.texture("emission") != nullptr,
             .direct = !direct.absent(),
             .indirect = !indirect.absent(),
@@ -45,7 +46,8 @@ class Composite final : public Pass {
             .coat = facts.specular && surface.texture("specular") != nullptr,
             .sky = all};
     // The sky is the scene's.
-    const int channels = std::max(rules::channels({surface, direct, indirect, specular}), rules::channels(ports, facts));
+    const int channels =
+        std::max(rules::channels({surface, direct, indirect, specular}), rules::channels(ports, facts));
     radiance.texture("image", TextureDesc::image(ports.frame_size(), Format::rgba32f).with_channels(channels),
                      Access::image_write);
     radiance.attribute("channels", channels);
@@ -78,5 +80,6 @@ class Composite final : public Pass {
 }  // namespace
 
 LOOM_PLUGIN("composite", registry) {
-  registry.add<Composite>("Composite", "Radiance from albedo, emission, irradiance and what is reflected; sky where nothing is seen");
+  registry.add<Composite>(
+      "Composite", "Radiance from albedo, emission, irradiance and what is reflected; sky where nothing is seen");
 }

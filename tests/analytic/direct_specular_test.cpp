@@ -35,8 +35,7 @@ double brdf(glm::dvec3 n, glm::dvec3 v, glm::dvec3 l, double alpha, double f0) {
   const glm::dvec3 h = glm::normalize(v + l);
   const double nh = glm::dot(n, h), nv = glm::dot(n, v), nl = glm::dot(n, l), a2 = alpha * alpha;
   const double d = a2 / (pi * std::pow(nh * nh * (a2 - 1) + 1, 2));
-  const double g2 =
-      2 * nl * nv / (nv * std::sqrt(a2 + (1 - a2) * nl * nl) + nl * std::sqrt(a2 + (1 - a2) * nv * nv));
+  const double g2 = 2 * nl * nv / (nv * std::sqrt(a2 + (1 - a2) * nl * nl) + nl * std::sqrt(a2 + (1 - a2) * nv * nv));
   return d * g2 * (f0 + (1 - f0) * std::pow(1 - glm::dot(v, h), 5)) / (4 * nv * nl);
 }
 

@@ -58,7 +58,8 @@ TEST(Ggx, DensityOfSamplesIntegratesToOne) {
     for (const float mu : {.15F, .5F, .95F}) {
       const float alpha = roughness * roughness;
       const glm::vec3 v = at_cosine(mu);
-      // Per direction of light; a normal's share of directions is 4⟨v,h⟩ times its own. D(h) cancels against the mean's.
+      // Per direction of light; a normal's share of directions is 4⟨v,h⟩ times its own. D(h) cancels against the
+      // mean's.
       const double sum = over_normals(alpha, [&](const glm::dvec3& h) {
         const auto seen = static_cast<float>(glm::dot(h, glm::dvec3(v)));
         if (seen <= 0) return 0.;
@@ -204,8 +205,8 @@ TEST(SpecularPaths, MirrorShowsTheMirroredRadiance) {
   // In the mirrored direction a lamp; the sky beside it would show if the direction were off by a degree.
   const glm::vec3 n(static_cast<float>(-std::sin(angle * pi / 180)), .5F, 0);
   const glm::vec3 centre = 20.F * n, side(0, 0, .8F), up = .8F * glm::vec3(-n.y, n.x, 0);
-  table.builder.sky(glm::vec3(7)).quad(centre - .5F * (side + up), side, up,
-                                       {.emissive = glm::vec3(2, 3, 4), .double_sided = true});
+  table.builder.sky(glm::vec3(7))
+      .quad(centre - .5F * (side + up), side, up, {.emissive = glm::vec3(2, 3, 4), .double_sided = true});
   const Film film = render(table.builder.scene, table.camera, {4, 4}, 16);
   const double schlick = std::pow(.5, 5);
   for (int c = 0; c < 3; ++c) {
@@ -261,12 +262,11 @@ TEST(SpecularPaths, GlassSlabReflectsAndTransmits) {
   table.builder.mesh(loom::test::quad({-half, -thick, -half}, {2 * half, 0, 0}, {0, 0, 2 * half}), glass);
   const double f = fresnel_dielectric(static_cast<float>(std::cos(angle * pi / 180)), 1.5F);
   // The sky above through reflection; what is below through the slab.
-  table.builder.sky(glm::vec3(1)).quad({-half, -1, -half}, {0, 0, 2 * half}, {2 * half, 0, 0},
-                                       {.emissive = glm::vec3(0, 0, 3)});
+  table.builder.sky(glm::vec3(1))
+      .quad({-half, -1, -half}, {0, 0, 2 * half}, {2 * half, 0, 0}, {.emissive = glm::vec3(0, 0, 3)});
   const Film film = render(table.builder.scene, table.camera, {16, 16}, 64);
   const double reflected = 2 * f / (1 + f), transmitted = (1 - f) / (1 + f);
-  expect_mean_within(over_pixels(film, Layer::radiance),
-                     {reflected, reflected, reflected + 3 * transmitted}, .05);
+  expect_mean_within(over_pixels(film, Layer::radiance), {reflected, reflected, reflected + 3 * transmitted}, .05);
   EXPECT_EQ(over_pixels(film, Layer::albedo).mean, glm::dvec3(0)) << "all that is not reflected goes through";
 }
 

@@ -8,7 +8,9 @@ namespace {
 
 using loom::SceneFacts;
 using loom::scene::compute_facts;
+using loom::scene::Material;
 using loom::scene::Scene;
+using loom::scene::SurfaceModel;
 using namespace loom::test;
 
 TEST(Facts, AnEmptySceneHasNone) {
@@ -48,6 +50,41 @@ TEST(Facts, BoundsThicknessAndCounts) {
   EXPECT_EQ(facts.thinnest_feature, .5) << "flat meshes count by their sides";
   EXPECT_NEAR(facts.max_albedo, .8, 1e-7);
   EXPECT_EQ(facts.max_chroma, 0);
+}
+
+// Diffuse scenes stay as they were, hash and all, whatever their materials would be under ggx.
+TEST(Facts, SpecularSurfacesAreAskedFor) {
+  Scene scene = empty_scene();
+  const int matte = add_material(scene, diffuse(glm::vec3(.5f)));
+  Material glass = diffuse(glm::vec3(1));
+  glass.transmission = .5f;
+  add_plane(scene, 1, 0, matte);
+  finish(scene);
+  const auto plain = scene.content_hash;
+  scene.materials.push_back(glass);
+  finish(scene);
+  const auto lambert = scene.content_hash;
+  EXPECT_NE(lambert, plain);
+  scene.materials.back().ior = 2;
+  finish(scene);
+  EXPECT_EQ(scene.content_hash, lambert) << "an index of refraction is nothing to diffuse surfaces";
+
+  scene.surfaces = SurfaceModel::ggx;
+  EXPECT_TRUE(compute_facts(scene).ggx);
+  EXPECT_FALSE(compute_facts(scene).specular) << "nothing shows the glass, and the rest is matte";
+  finish(scene);
+  const auto dense = scene.content_hash;
+  EXPECT_NE(dense, lambert);
+  scene.materials.back().ior = 1.5f;
+  finish(scene);
+  EXPECT_NE(scene.content_hash, dense);
+
+  add_plane(scene, 1, 1, static_cast<int>(scene.materials.size()) - 1);
+  EXPECT_TRUE(compute_facts(scene).specular && compute_facts(scene).transmission);
+  EXPECT_NEAR(compute_facts(scene).max_albedo, .5, 1e-7) << "what goes through is not reflected";
+  scene.surfaces = SurfaceModel::lambert;
+  EXPECT_FALSE(compute_facts(scene).specular || compute_facts(scene).transmission);
+  EXPECT_NEAR(compute_facts(scene).max_albedo, 1, 1e-7);
 }
 
 TEST(Facts, ChromaOfEverySource) {

@@ -155,6 +155,17 @@ TEST_F(Gltf, SpecularGlossinessKeepsItsDiffusePart) {
   EXPECT_EQ(m.roughness, .75f);
 }
 
+TEST_F(Gltf, DielectricsHaveAnIndexAndAShareThatIsTransmitted) {
+  GltfBuilder builder;
+  builder.triangle().material(R"({"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {
+    "KHR_materials_ior": {"ior": 1.25}, "KHR_materials_transmission": {"transmissionFactor": 1.5}}})");
+  const Material m = load(builder).materials.at(0);
+  EXPECT_EQ(m.ior, 1.25f);
+  EXPECT_EQ(m.transmission, 1) << "held within its range";
+  EXPECT_THAT(said(), HasSubstr("transmissionFactor"));
+  EXPECT_EQ(Material{}.ior, 1.5f);
+}
+
 TEST_F(Gltf, EmissionIsFactorTimesStrength) {
   GltfBuilder builder;
   builder.triangle().material(R"({"emissiveFactor": [1, 0.5, 0],

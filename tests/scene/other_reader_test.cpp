@@ -194,6 +194,13 @@ std::vector<std::filesystem::path> files() {
   return found;
 }
 
+/// A number of a material's extension, or what stands where it is missing.
+float number_of(const tinygltf::Material& material, const char* extension, const char* key, double missing) {
+  const auto found = material.extensions.find(extension);
+  if (found == material.extensions.end() || !found->second.Has(key)) return static_cast<float>(missing);
+  return static_cast<float>(found->second.Get(key).GetNumberAsDouble());
+}
+
 TEST(OtherReader, FindsTheSameTrianglesMaterialsLightsAndCameras) {
   std::size_t compared = 0;
   for (const std::filesystem::path& path : files()) {
@@ -227,6 +234,12 @@ TEST(OtherReader, FindsTheSameTrianglesMaterialsLightsAndCameras) {
       EXPECT_FLOAT_EQ(scene.materials[i].metallic, static_cast<float>(other.metallicFactor)) << i;
       EXPECT_FLOAT_EQ(scene.materials[i].roughness, static_cast<float>(other.roughnessFactor)) << i;
       EXPECT_EQ(scene.materials[i].double_sided, model.materials[i].doubleSided) << i;
+      EXPECT_FLOAT_EQ(scene.materials[i].ior, number_of(model.materials[i], "KHR_materials_ior", "ior", 1.5)) << i;
+      EXPECT_FLOAT_EQ(scene.materials[i].transmission,
+                      number_of(model.materials[i], "KHR_materials_transmission", "transmissionFactor", 0))
+          << i;
+      EXPECT_EQ(scene.materials[i].metallic_roughness_texture.image >= 0, other.metallicRoughnessTexture.index >= 0)
+          << i;
     }
   }
   EXPECT_GE(compared, scenes_folder().empty() ? 3u : 20u);

@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using loom::Diagnostics;
 using loom::scene::load_setup;
+using loom::scene::SurfaceModel;
 using Loaded = loom::scene::Setup;  // gtest keeps the name Setup for itself
 using loom::test::GltfBuilder;
 using loom::test::TempDir;
@@ -193,6 +194,15 @@ TEST_F(RunFile, AHeadlampWhereNothingEmits) {
   const Loaded zero =
       load(R"({"scene": "triangle.gltf", "lights": [{"type": "point", "position": [0,0,0], "intensity": 0}]})");
   EXPECT_EQ(zero.scene.lights.at(0).intensity, glm::vec3(0)) << "a light of intensity 0 is a light";
+}
+
+TEST_F(RunFile, SurfacesAreDiffuseUnlessTheyAreAskedToBeMore) {
+  EXPECT_EQ(load(R"({"scene": "triangle.gltf"})").scene.surfaces, SurfaceModel::lambert);
+  EXPECT_EQ(load(R"({"scene": "triangle.gltf", "surfaces": "ggx"})").scene.surfaces, SurfaceModel::ggx);
+  EXPECT_THAT(refusal(R"({"scene": "triangle.gltf", "surfaces": "gxx"})"), HasSubstr("did you mean \"ggx\"?"));
+  const Loaded said = load_setup(temp_.write("run.json", R"({"scene": "triangle.gltf", "surfaces": "ggx"})"), "",
+                                 diagnostics_, SurfaceModel::lambert);
+  EXPECT_EQ(said.scene.surfaces, SurfaceModel::lambert) << "the command line has the last word";
 }
 
 TEST_F(RunFile, LightsReplaceTheFilesOwn) {

@@ -43,9 +43,9 @@ struct SceneFacts {
   double emitted_power = 0;  ///< W, mean over channels: Σ π·L·A
   bool alpha_mask = false;   ///< some material has alphaMode MASK (or BLEND, read as MASK at .5)
   bool normal_maps = false;
-  bool ggx = false;             ///< surfaces reflect as glTF's metallic-roughness material; else all are diffuse
-  bool specular = false;        ///< `ggx`, and some material in use is metal, smoother than rough or transparent
-  bool transmission = false;    ///< `ggx`, and some material in use is transparent
+  bool ggx = false;           ///< surfaces reflect as glTF's metallic-roughness material; else all are diffuse
+  bool specular = false;      ///< `ggx`, and some material in use is metal, smoother than rough or transparent
+  bool transmission = false;  ///< `ggx`, and some material in use is transparent
   bool textures = false;
   bool geometry_moves = false;  ///< the animation moves or bends something that is drawn
   bool lights_move = false;

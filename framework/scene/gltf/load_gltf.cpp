@@ -20,9 +20,10 @@ namespace gltf {
 namespace {
 
 constexpr std::array<std::string_view, 10> understood{"EXT_meshopt_compression", "KHR_draco_mesh_compression",
-                                                     "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_transmission",
-                                                     "KHR_mesh_quantization",   "KHR_node_visibility",
-                                                     "KHR_texture_transform",   "KHR_materials_pbrSpecularGlossiness"};
+                                                      "KHR_lights_punctual",     "KHR_materials_emissive_strength",
+                                                      "KHR_materials_ior",       "KHR_materials_transmission",
+                                                      "KHR_mesh_quantization",   "KHR_node_visibility",
+                                                      "KHR_texture_transform",   "KHR_materials_pbrSpecularGlossiness"};
 /// Metadata, and choices of which the file's own default is drawn.
 constexpr std::array<std::string_view, 3> harmless{"KHR_materials_variants", "KHR_xmp", "KHR_xmp_json_ld"};
 
