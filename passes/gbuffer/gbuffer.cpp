@@ -9,6 +9,7 @@
 // Nothing is culled; masked materials are cut by their alpha; the back of a single-sided face does not emit. The bundle
 // struct is the camera, its sub-pixel shift included.
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -37,7 +38,6 @@ struct Member {
   const char* define;
   bool color = false;
 };
-// In the order of the fragment shader's locations.
 // Half floats: a unit vector's component is off by 2⁻¹¹ at most (a slope of .03°; drivers may round or cut off), an
 // albedo by 2⁻¹¹ of itself, also where it is dark. Depth rebuilds positions and emission may be 1e6 W/(m² sr), beyond
 // half floats: both keep all 24 bits.
@@ -59,11 +59,13 @@ class GBuffer final : public Pass {
     const bool specular = facts.specular || (facts.ggx && !ports.rule("no-specular"));
     const int channels = rules::channels(ports, facts);
     auto surface = ports.out("surface", "Surface").attribute("channels", channels);
+    targets_.clear();
     for (const Member& member : members) {
       if (member.name == "emission" && !emission) continue;
       if (member.name == "specular" && !specular) continue;
       if (member.name == "transmission" && !facts.transmission) continue;
       const TextureDesc desc = TextureDesc::image(size, member.format);
+      targets_.push_back(&member);
       surface.texture(member.name, member.color ? desc.with_channels(channels) : desc, Access::color);
     }
     ports.scratch("depth", TextureDesc::image(size, Format::depth32f), Access::depth);
@@ -108,15 +110,16 @@ class GBuffer final : public Pass {
   }
 
  private:
-  static std::shared_ptr<const Program> program_of(Device& device, const Bindings& bindings, const SceneFacts& facts) {
+  std::shared_ptr<const Program> program_of(Device& device, const Bindings& bindings, const SceneFacts& facts) const {
     ProgramDesc desc{.files = {"gbuffer/gbuffer.vert", "gbuffer/gbuffer.frag"}, .defines = scene_defines(facts)};
-    for (const Member& member : members) {
-      if (bindings.has(member.path)) desc.defines.emplace_back(member.define, "1");
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+      if (bindings.has(targets_[i]->path)) desc.defines.emplace_back(targets_[i]->define, std::to_string(i));
     }
     return device.program(desc);
   }
 
   SceneFacts facts_;
+  std::vector<const Member*> targets_;              ///< declared ones: the order in which they are attached
   std::shared_ptr<const Program> opaque_, masked_;  ///< masked_ is null where nothing is
 };
 

@@ -1,4 +1,5 @@
-// The nearest surface at each pixel, into as many targets as are read (DEPTH, NORMAL, … are defined for those).
+// The nearest surface at each pixel, into as many targets as are read: DEPTH, NORMAL, … are defined for those, as the
+// number of the target.
 #include "interop/frame.h"
 #include "lib/camera.glsl"
 #include "lib/material.glsl"
@@ -6,25 +7,25 @@
 layout(std140) uniform frame_data { FrameData frame; };
 
 #ifdef DEPTH
-layout(location = 0) out float out_depth;
+layout(location = DEPTH) out float out_depth;
 #endif
 #ifdef NORMAL
-layout(location = 1) out vec4 out_normal;
+layout(location = NORMAL) out vec4 out_normal;
 #endif
 #ifdef GEOMETRIC_NORMAL
-layout(location = 2) out vec4 out_geometric_normal;
+layout(location = GEOMETRIC_NORMAL) out vec4 out_geometric_normal;
 #endif
 #ifdef ALBEDO
-layout(location = 3) out vec4 out_albedo;
+layout(location = ALBEDO) out vec4 out_albedo;
 #endif
 #ifdef EMISSION
-layout(location = 4) out vec4 out_emission;
+layout(location = EMISSION) out vec4 out_emission;
 #endif
 #ifdef SPECULAR
-layout(location = 5) out vec4 out_specular;
+layout(location = SPECULAR) out vec4 out_specular;
 #endif
 #ifdef TRANSMISSION
-layout(location = 6) out vec4 out_transmission;
+layout(location = TRANSMISSION) out vec4 out_transmission;
 #endif
 
 // Distance along the ray through the pixel's sample.

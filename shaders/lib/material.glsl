@@ -76,7 +76,6 @@ vec3 surface_albedo() {
 // rgb: F₀ = mix(((ior−1)/(ior+1))², baseColor, metallic), reflectance along the normal; a: α = roughness² of the GGX
 // distribution. Matte surfaces have F₀ = 0: none of their light is specular.
 vec4 surface_specular() {
-  if (!has_flag(MATERIAL_SPECULAR)) return vec4(0, 0, 0, 1);
   float roughness = materials[vertex.ids.x].factors.z;
 #ifdef SCENE_TEXTURES
   if (has_flag(MATERIAL_METALLIC_TEXTURE)) {
@@ -84,7 +83,9 @@ vec4 surface_specular() {
   }
 #endif
   float ior = surface_ior(), amplitude = (ior - 1.) / (ior + 1.);
-  return vec4(mix(vec3(amplitude * amplitude), surface_base_color().rgb, surface_metallic()), roughness * roughness);
+  vec4 specular =
+      vec4(mix(vec3(amplitude * amplitude), surface_base_color().rgb, surface_metallic()), roughness * roughness);
+  return has_flag(MATERIAL_SPECULAR) ? specular : vec4(0, 0, 0, 1);
 }
 
 // Exitant radiance of a side that emits, W/(m² sr).
