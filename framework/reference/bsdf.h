@@ -8,6 +8,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "loom/export.h"
 #include "reference/embree_scene.h"
 
 namespace loom::reference {
@@ -22,7 +23,7 @@ struct BsdfSample {
   float density = 0;
 };
 
-class Bsdf {
+class LOOM_API Bsdf {
  public:
   /// `to_viewer`: unit, from the surface.
   Bsdf(const SurfacePoint& at, const glm::vec3& to_viewer);

@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "interop/ggx.h"
+#include "loom/export.h"
 
 namespace loom::reference {
 
@@ -73,8 +74,8 @@ inline float ggx_sample_density(const glm::vec3& v, const glm::vec3& h, float al
 }
 
 /// Directional albedo E(μ) = ∫ f_s ⟨n,l⟩ dω, from the table that shaders have (docs/specular.md).
-glm::vec3 ggx_albedo(float mu, float alpha, const glm::vec3& f0);
+LOOM_API glm::vec3 ggx_albedo(float mu, float alpha, const glm::vec3& f0);
 /// Its mean over the hemisphere, 2∫ E μ dμ.
-glm::vec3 ggx_mean_albedo(float alpha, const glm::vec3& f0);
+LOOM_API glm::vec3 ggx_mean_albedo(float alpha, const glm::vec3& f0);
 
 }  // namespace loom::reference

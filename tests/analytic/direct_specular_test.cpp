@@ -112,6 +112,7 @@ TEST_F(Coat, MatteSurfacesHaveNone) {
   const Texels a = diffuse.image(pipeline, "image", {.size = {32, 32}});
   const Texels b = matte.image(pipeline, "image", {.size = {32, 32}});
   for (int i = 0; i < 32 * 32; ++i) ASSERT_EQ(a.at(i % 32, i / 32), b.at(i % 32, i / 32));
+  matte.render(pipeline, {.size = {32, 32}});
   EXPECT_TRUE(matte.absent("gloss"));
 }
 
