@@ -2,7 +2,7 @@
 // it as there are targets.
 #include "interop/frame.h"
 #include "lib/sampling.glsl"
-#include "ray_march/exitant.glsl"
+#include "lib/exitant_sheets.glsl"
 // After what sheets send out is known.
 #include "lib/voxels.glsl"
 #include "ray_march/power.glsl"

@@ -4,7 +4,7 @@
 #include "interop/frame.h"
 #include "lib/camera.glsl"
 #include "lib/sampling.glsl"
-#include "ray_march/exitant.glsl"
+#include "lib/exitant_sheets.glsl"
 uniform int rays;
 #include "lib/parts.glsl"
 #if AIMED

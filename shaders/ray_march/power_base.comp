@@ -1,5 +1,5 @@
 // Level 0 of the pyramid of power: each cell's six sides.
-#include "ray_march/exitant.glsl"
+#include "lib/exitant_sheets.glsl"
 // After what sheets send out is known.
 #include "lib/voxels.glsl"
 #include "ray_march/power.glsl"

@@ -1,5 +1,5 @@
 // Level 0 of the pyramid: of each cell the sheets, as far as they face the direction.
-#include "ray_march/exitant.glsl"
+#include "lib/exitant_sheets.glsl"
 // After what sheets send out is known.
 #include "lib/sheets.glsl"
 #include "lib/storage.glsl"

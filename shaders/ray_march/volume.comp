@@ -7,7 +7,7 @@
 #if SLEEPS
 #include "ray_march/cells.glsl"
 #endif
-#include "ray_march/exitant.glsl"
+#include "lib/exitant_sheets.glsl"
 // After what sheets send out is known.
 #include "lib/voxels.glsl"
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 2) in;
