@@ -6,8 +6,11 @@
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
+#include "reference/film.h"
 #include "reference/ggx.h"
+#include "reference/path_tracer.h"
 #include "support/bench.h"
+#include "support/scene_builders.h"
 
 namespace loom::test {
 namespace {
@@ -77,7 +80,55 @@ TEST_P(DirectSpecular, IsTheBrdfTimesTheLight) {
 INSTANTIATE_TEST_SUITE_P(Shadow, DirectSpecular, ::testing::Values("none", "map", "ray"),
                          [](const auto& parameter) { return parameter.param; });
 
+// A plate |x|, |z| ≤ .5 at half the height of the light throws a shadow |x|, |z| ≤ 1.
+TEST_P(DirectSpecular, AShadowTakesItAway) {
+  const bool shadowed = GetParam() != "none";
+  SceneBuilder scene;
+  const int grey = scene.material(glm::vec3(.5F));
+  scene.floor(glm::vec3(0), 10, grey).floor({0, 1, 0}, .5F, grey).point({0, 2, 0}, glm::vec3(4));
+  scene::Scene built = scene.build();
+  built.surfaces = scene::SurfaceModel::ggx;
+  for (scene::Material& m : built.materials) m = material(glm::vec3(1), 1, .5F);
+  Bench bench(*device_, built);
+  bench.look_down(2);
+  const Texels l = bench.image(pipeline, "gloss", {.size = {64, 64}, .set = {{"gloss", "shadow", GetParam()}}});
+  for (int x = 0; x < l.width; ++x) {
+    const double across = std::abs(bench.position(x, 32, 10).x);
+    if (across > .55 && across < .95) {
+      ASSERT_EQ(l.at(x, 32).x == 0, shadowed) << across;
+    } else if (across > 1.05) {
+      ASSERT_GT(l.at(x, 32).x, 0) << across;
+    }
+  }
+}
+
 using Coat = DirectSpecular;
+
+// Seen aslant, where G₂ and F matter: the mean over the picture against the path tracer's layer.
+TEST_F(Coat, AgreesWithThePathTracer) {
+  SceneBuilder scene;
+  const int grey = scene.material(glm::vec3(.5F));
+  scene.floor(glm::vec3(0), 10, grey).point({-.5F, 2, -1.5F}, glm::vec3(4));
+  scene::Scene built = scene.build();
+  built.surfaces = scene::SurfaceModel::ggx;
+  for (scene::Material& m : built.materials) m = material({1, .5F, .25F}, .75F, .5F);
+  const scene::Camera camera = look_at({0, 2.5, 3}, {0, 0, 0});  // the floor fills the picture
+  const glm::ivec2 size(64);
+  Bench bench(*device_, built);
+  bench.look(camera);
+  const glm::vec4 ours = bench.image(pipeline, "gloss", {.size = size, .set = {{"gloss", "shadow", "ray"}}}).mean();
+  const reference::Options options{.bounces = 0};
+  const reference::PathTracer tracer(built, camera.eye, options);
+  reference::Film film(size, {}, 0);
+  tracer.accumulate(film, reference::view_of(camera, built, size, camera.eye), 16);
+  glm::dvec3 theirs(0);
+  for (int y = 0; y < size.y; ++y)
+    for (int x = 0; x < size.x; ++x) theirs += reference::Film::mean(film.pixel(x, y), reference::Layer::specular);
+  theirs /= size.x * size.y;
+  // One sample at a pixel's centre against its area.
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(ours[c], theirs[c], 2e-3 * theirs[c]);
+  EXPECT_GT(theirs[0], .01);
+}
 
 TEST_F(Coat, LeavesTheRestToDiffuseLight) {
   SceneBuilder scene;
