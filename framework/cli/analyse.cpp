@@ -16,6 +16,7 @@ namespace {
 
 struct Arguments {
   std::string scene, camera, surfaces;
+  scene::LoadOptions load;
   bool again = false;
 };
 
@@ -29,7 +30,7 @@ int required_order(const SceneMeasurements& measured) {
 }
 
 void run(const Arguments& arguments, const Session& session) {
-  LoadedScene loaded = load_scene(arguments.scene, arguments.camera, arguments.surfaces);
+  LoadedScene loaded = load_scene(arguments.scene, arguments.camera, arguments.surfaces, arguments.load);
   if (!loaded.facts.measured || arguments.again) {
     loaded.facts.measured = reference::measure_scene(loaded.setup.scene, loaded.setup.camera);
     reference::cache_measurements(loaded.facts.content_hash, *loaded.facts.measured);
@@ -60,6 +61,7 @@ void add_analyse(CLI::App& app, Session& session) {
   add_surfaces_option(*command, arguments->surfaces);
   command->add_flag("--again", arguments->again, "Measure also where the cache knows the scene");
   add_json_option(*command, session);
+  add_load_options(*command, arguments->load);
   add_plugin_option(*command, session);
   command->callback([arguments, &session] { run(*arguments, session); });
 }

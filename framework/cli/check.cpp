@@ -17,12 +17,13 @@ namespace {
 struct Arguments {
   std::vector<std::string> pipelines;
   std::string scene, surfaces;
+  scene::LoadOptions load;
 };
 
 void run(const Arguments& arguments, Session& session) {
   Diagnostics all;
   const Registry registry = load_registry(session, &all);
-  const LoadedScene scene = load_scene(arguments.scene, "", arguments.surfaces);
+  const LoadedScene scene = load_scene(arguments.scene, "", arguments.surfaces, arguments.load);
   const Diagnostics refused = all;
   all = {};
   bool bad = false;
@@ -64,6 +65,7 @@ void add_check(CLI::App& app, Session& session) {
   command->add_option("--scene", arguments->scene, "Check for this scene; default: the built-in one");
   add_surfaces_option(*command, arguments->surfaces);
   add_json_option(*command, session);
+  add_load_options(*command, arguments->load);
   add_plugin_option(*command, session);
   command->callback([arguments, &session] { run(*arguments, session); });
 }

@@ -24,10 +24,11 @@ graph::Override parse_override(const std::string& text) {
 
 }  // namespace
 
-LoadedScene load_scene(const std::string& scene, const std::string& camera, const std::string& surfaces) {
+LoadedScene load_scene(const std::string& scene, const std::string& camera, const std::string& surfaces,
+                       scene::LoadOptions options) {
   Diagnostics diagnostics;
   LoadedScene loaded;
-  loaded.setup = scene::load_setup(find_scene(scene), camera, diagnostics, parse_surfaces(surfaces));
+  loaded.setup = scene::load_setup(find_scene(scene), camera, diagnostics, parse_surfaces(surfaces), options);
   if (diagnostics.has_errors()) throw BadInput(diagnostics);
   report(diagnostics);
   loaded.facts = scene::compute_facts(loaded.setup.scene);
@@ -46,6 +47,11 @@ std::optional<scene::SurfaceModel> parse_surfaces(const std::string& text) {
   throw bad_usage("--surfaces " + text + ": expected lambert or ggx");
 }
 
+void add_load_options(CLI::App& command, scene::LoadOptions& options) {
+  command.add_flag("--allow-outside", options.allow_outside,
+                   "Let a glTF file name buffers and images outside its own folder");
+}
+
 void add_scene_options(CLI::App& command, CompileArguments& arguments) {
   command.add_option("scene", arguments.scene,
                      "A .gltf, .glb or run file (.json), or the name of a shipped one; "
@@ -57,6 +63,7 @@ void add_scene_options(CLI::App& command, CompileArguments& arguments) {
       ->allow_extra_args(false);
   command.add_option("--camera", arguments.camera, "A camera's name in the file, or a JSON object as in a run file");
   add_surfaces_option(command, arguments.surfaces);
+  add_load_options(command, arguments.load);
 }
 
 void add_compile_options(CLI::App& command, CompileArguments& arguments) {

@@ -20,11 +20,14 @@ struct LoadedScene {
   SceneFacts facts;
 };
 /// `surfaces`: lambert, ggx, or empty: what the run file says. Throws BadInput.
-LoadedScene load_scene(const std::string& scene, const std::string& camera = {}, const std::string& surfaces = {});
+LoadedScene load_scene(const std::string& scene, const std::string& camera, const std::string& surfaces,
+                       scene::LoadOptions options);
 /// `--surfaces`, for every command that takes a scene.
 void add_surfaces_option(CLI::App& command, std::string& surfaces);
 /// Nothing where the text is empty. Throws BadInput.
 std::optional<scene::SurfaceModel> parse_surfaces(const std::string& text);
+/// `--allow-outside`.
+void add_load_options(CLI::App& command, scene::LoadOptions& options);
 
 /// The options of every subcommand that compiles one pipeline, and what they come to.
 struct CompileArguments {
@@ -32,6 +35,7 @@ struct CompileArguments {
   std::vector<std::string> set;
   std::vector<std::string> no_prune;
   bool no_alias = false;
+  scene::LoadOptions load;
 };
 void add_compile_options(CLI::App& command, CompileArguments& arguments);
 /// Those of them that say what is seen: scene, pipeline, size, parameters, camera.

@@ -16,11 +16,12 @@ namespace {
 
 struct Arguments {
   std::string pipeline, scene, surfaces, format = "svg", out;
+  scene::LoadOptions load;
 };
 
 void run(const Arguments& arguments, const Session& session) {
   const Registry registry = load_registry(session);
-  const LoadedScene scene = load_scene(arguments.scene, "", arguments.surfaces);
+  const LoadedScene scene = load_scene(arguments.scene, "", arguments.surfaces, arguments.load);
   const graph::CompiledGraph graph = compile(find_pipeline(arguments.pipeline), registry, scene.facts, {});
   std::string text;
   if (arguments.format == "json") {
@@ -48,6 +49,7 @@ void add_graph(CLI::App& app, Session& session) {
   command->add_option("--scene", arguments->scene, "Draw what this scene requires; default: the built-in one");
   add_surfaces_option(*command, arguments->surfaces);
   command->add_option("-o,--out", arguments->out, "Write to this file; default: stdout");
+  add_load_options(*command, arguments->load);
   add_plugin_option(*command, session);
   command->callback([arguments, &session] { run(*arguments, session); });
 }

@@ -88,6 +88,7 @@ void print_info(const LoadedScene& loaded) {
 void add_info(CLI::App& app, Session& session) {
   struct Arguments {
     std::string scene, camera, surfaces;
+    scene::LoadOptions load;
   };
   auto* command = app.add_subcommand("info", "Show what is in a scene, as Lightloom reads it");
   const auto arguments = std::make_shared<Arguments>();
@@ -95,9 +96,10 @@ void add_info(CLI::App& app, Session& session) {
   command->add_option("--camera", arguments->camera, "A camera's name in the file, or a JSON object");
   add_surfaces_option(*command, arguments->surfaces);
   add_json_option(*command, session);
+  add_load_options(*command, arguments->load);
   add_plugin_option(*command, session);
   command->callback([arguments, &session] {
-    const LoadedScene loaded = load_scene(arguments->scene, arguments->camera, arguments->surfaces);
+    const LoadedScene loaded = load_scene(arguments->scene, arguments->camera, arguments->surfaces, arguments->load);
     if (session.json) {
       print(info_json(loaded));
     } else {

@@ -117,7 +117,7 @@ void print_plan(const graph::CompiledGraph& graph) {
 
 void run(const CompileArguments& arguments, const std::vector<std::string>& outputs, const Session& session) {
   const Registry registry = load_registry(session);
-  const LoadedScene scene = load_scene(arguments.scene, arguments.camera, arguments.surfaces);
+  const LoadedScene scene = load_scene(arguments.scene, arguments.camera, arguments.surfaces, arguments.load);
   graph::CompileOptions options = compile_options(arguments, scene.setup);
   options.requested = outputs;
   const std::string pipeline = pipeline_of(arguments, scene.setup);

@@ -32,6 +32,7 @@ constexpr glm::ivec2 default_size{512, 512};
 
 struct Arguments {
   std::string scene, camera, surfaces, size, output;
+  scene::LoadOptions load;
   std::optional<std::uint32_t> samples;
   std::optional<double> noise;
   std::optional<int> bounces;
@@ -220,8 +221,8 @@ void map_photons(const Arguments& arguments, const Session& session, const scene
 
 void render(const Arguments& arguments, const Session& session) {
   Diagnostics diagnostics;
-  const scene::Setup setup =
-      scene::load_setup(find_scene(arguments.scene), arguments.camera, diagnostics, parse_surfaces(arguments.surfaces));
+  const scene::Setup setup = scene::load_setup(find_scene(arguments.scene), arguments.camera, diagnostics,
+                                               parse_surfaces(arguments.surfaces), arguments.load);
   report(diagnostics);
   const glm::ivec2 size = arguments.size.empty() ? setup.size.value_or(default_size) : parse_size(arguments.size);
   if (arguments.method == "photons") return map_photons(arguments, session, setup, size);
@@ -275,6 +276,7 @@ void add_reference(CLI::App& app, Session& session) {
                       "Of the first pass, in diagonals of the scene (default 0.005); it shrinks from pass to pass");
   command->add_option("--merge", arguments->merge, "Add up finished runs (their .exr or .film) instead of rendering");
   add_json_option(*command, session);
+  add_load_options(*command, arguments->load);
   add_plugin_option(*command, session);
   command->callback([arguments, &session] {
     check(*arguments);

@@ -170,7 +170,8 @@ void run(const Arguments& arguments, const Session& session) {
   }
 
   const Registry registry = load_registry(session);
-  LoadedScene scene = load_scene(arguments.compile.scene, arguments.compile.camera, arguments.compile.surfaces);
+  LoadedScene scene =
+      load_scene(arguments.compile.scene, arguments.compile.camera, arguments.compile.surfaces, arguments.compile.load);
   graph::CompileOptions options = compile_options(arguments.compile, scene.setup);
   options.requested = {output};
   const glm::ivec2 size = options.frame_size;

@@ -18,7 +18,8 @@ void run(const CompileArguments& arguments, const Session& session) {
                           .camera = arguments.camera,
                           .surfaces = parse_surfaces(arguments.surfaces),
                           .set = parse_overrides(arguments.set),
-                          .plugin_dirs = session.plugin_dirs};
+                          .plugin_dirs = session.plugin_dirs,
+                          .allow_outside = arguments.load.allow_outside};
   if (!arguments.size.empty()) options.size = parse_size(arguments.size);
   const std::string path = library_dir() + "/loom/" + viewer::library_name;
   // Never closed: the window system's libraries leave threads and handlers behind.

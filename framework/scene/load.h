@@ -16,9 +16,16 @@
 
 namespace loom::scene {
 
+struct LoadOptions {
+  /// URIs of a glTF file may leave its folder: absolute paths, "..", symbolic links that point elsewhere. For scenes
+  /// that one trusts, since a picture shows what was read.
+  bool allow_outside = false;
+};
+
 /// Loads and poses a glTF file. Throws BadInput where the picture would be wrong; what is merely left out becomes a
-/// warning in `diagnostics`. Nothing outside the file's folder is read and nothing is fetched from a network.
-LOOM_API Scene load_gltf(const std::string& path, Diagnostics& diagnostics);
+/// warning in `diagnostics`. Nothing outside the file's folder is read unless that is allowed, and nothing is fetched
+/// from a network.
+LOOM_API Scene load_gltf(const std::string& path, Diagnostics& diagnostics, LoadOptions options = {});
 
 /// What a run file or a bare scene path means, with every default filled in.
 struct Setup {
@@ -36,7 +43,7 @@ struct Setup {
 /// quarter of its diagonal). A surface there that faces it gets E = π W/m², so its radiance is its albedo.
 /// `surfaces`: instead of what the run file says.
 LOOM_API Setup load_setup(const std::string& path, const std::string& camera, Diagnostics& diagnostics,
-                          std::optional<SurfaceModel> surfaces = {});
+                          std::optional<SurfaceModel> surfaces = {}, LoadOptions options = {});
 /// "lambert" or "ggx"; nothing for any other word.
 LOOM_API std::optional<SurfaceModel> surface_model(std::string_view name);
 

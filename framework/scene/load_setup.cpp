@@ -134,7 +134,7 @@ std::optional<SurfaceModel> surface_model(std::string_view name) {
 }
 
 Setup load_setup(const std::string& path, const std::string& camera, Diagnostics& diagnostics,
-                 std::optional<SurfaceModel> surfaces) {
+                 std::optional<SurfaceModel> surfaces, LoadOptions options) {
   RunFile run;
   run.scene = path;
   if (extension_of(path) == ".json") run = read_run_file(path);
@@ -144,7 +144,7 @@ Setup load_setup(const std::string& path, const std::string& camera, Diagnostics
 
   Setup setup;
   Diagnostics found;
-  setup.scene = gltf::load(run.scene, found);
+  setup.scene = gltf::load(run.scene, found, options.allow_outside);
   setup.scene.surfaces = surfaces.value_or(run.surfaces);
   for (const Diagnostic& diagnostic : found.all()) {
     // Only where all surfaces are diffuse is a metal black.

@@ -20,6 +20,7 @@ struct Options {
   std::vector<graph::Override> set;
   std::optional<glm::ivec2> size;  ///< of the frame; none: the view's size
   std::vector<std::string> plugin_dirs;
+  bool allow_outside = false;  ///< as --allow-outside: also for scenes that are opened later
 };
 
 /// Symbol of the library: runs until the window is closed. Throws Error.

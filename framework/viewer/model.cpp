@@ -63,8 +63,8 @@ Model::Model(Options options) : options_(std::move(options)) {
   device_ = gpu::CachingDevice::create({.shader_roots = plugins::shader_roots(search_), .cache_dir = {}});
   device_description_ = device_->description();
   Diagnostics warnings;
-  auto setup =
-      std::make_unique<scene::Setup>(scene::load_setup(options_.scene, options_.camera, warnings, options_.surfaces));
+  auto setup = std::make_unique<scene::Setup>(
+      scene::load_setup(options_.scene, options_.camera, warnings, options_.surfaces, {options_.allow_outside}));
   scene_path_ = options_.scene;
   size_ = options_.size.value_or(setup->size.value_or(size_));
   Edits edits;

@@ -52,7 +52,8 @@ bool Model::use_setup(std::unique_ptr<scene::Setup> setup, Edits edits) {
 bool Model::open_scene(const std::string& path) {
   try {
     Diagnostics warnings;
-    auto setup = std::make_unique<scene::Setup>(scene::load_setup(path, "", warnings, options_.surfaces));
+    auto setup = std::make_unique<scene::Setup>(
+        scene::load_setup(path, "", warnings, options_.surfaces, {options_.allow_outside}));
     Edits edits = edits_;
     if (!setup->pipeline.empty()) {
       edits.pipeline = pipeline_file(setup->pipeline);

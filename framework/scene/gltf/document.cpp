@@ -46,8 +46,11 @@ std::size_t component_bytes(int component_type) {
   }
 }
 
-Document::Document(const std::string& path, Diagnostics& diagnostics)
-    : path_(path), folder_(std::filesystem::path(path).parent_path().string()), diagnostics_(&diagnostics) {
+Document::Document(const std::string& path, Diagnostics& diagnostics, bool outside)
+    : path_(path),
+      folder_(std::filesystem::path(path).parent_path().string()),
+      outside_(outside),
+      diagnostics_(&diagnostics) {
   std::string why;
   std::optional<std::vector<std::byte>> bytes = read_file(path, max_file_bytes, why);
   if (!bytes) gltf::fail(path, "", "gltf-file", why, "give the path of a .gltf or .glb file");
@@ -134,6 +137,17 @@ void Document::check_asset() {
   if (version != "2.0") warn("gltf-version", "glTF " + version + " is read as 2.0", asset.pointer());
 }
 
+std::string Document::file_of(const std::string& uri, const Value& value) const {
+  if (std::optional<std::string> path = resolve_uri(uri, folder_, outside_)) return std::move(*path);
+  if (outside_) {
+    value.fail("gltf-uri", "the URI \"" + uri + "\" is no path of a file", "name the file by a path, without a scheme");
+  }
+  value.fail(
+      "gltf-uri", "the URI \"" + uri + "\" does not stay within the folder of the file",
+      "put the file beside the .gltf file and name it by a relative URI, or allow it by --allow-outside where you "
+      "trust the scene");
+}
+
 void Document::read_buffers() {
   const std::vector<Value> buffers = root().items("buffers");
   for (std::size_t i = 0; i < buffers.size(); ++i) {
@@ -148,14 +162,10 @@ void Document::read_buffers() {
       if (!decoded) value.fail("gltf-uri", "its data: URI is not valid base64");
       bytes = owned_.emplace_back(std::move(*decoded));
     } else if (!uri.empty()) {
-      const std::optional<std::string> path = resolve_uri(uri, folder_);
-      if (!path) {
-        value.fail("gltf-uri", "the URI \"" + uri + "\" does not stay within the folder of the file",
-                   "put the buffer beside the .gltf file and name it by a relative URI");
-      }
+      const std::string path = file_of(uri, value);
       std::string why;
-      std::optional<std::vector<std::byte>> read = gltf::read_file(*path, max_file_bytes, why);
-      if (!read) value.fail("gltf-missing-file", "the buffer " + *path + " " + why);
+      std::optional<std::vector<std::byte>> read = gltf::read_file(path, max_file_bytes, why);
+      if (!read) value.fail("gltf-missing-file", "the buffer " + path + " " + why);
       bytes = owned_.emplace_back(std::move(*read));
     } else if (fallback && fallback->flag("fallback", false)) {
       buffers_.emplace_back();

@@ -41,15 +41,17 @@ struct Accessor {
 
 class Document {
  public:
-  /// Reads a .gltf or .glb file with all its buffers. Throws BadInput.
-  Document(const std::string& path, Diagnostics& diagnostics);
+  /// Reads a .gltf or .glb file with all its buffers, also from outside its folder where `outside` is allowed. Throws
+  /// BadInput.
+  Document(const std::string& path, Diagnostics& diagnostics, bool outside);
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
   ~Document() = default;
 
   [[nodiscard]] Value root() const { return {json_, "", path_}; }
   [[nodiscard]] const std::string& path() const { return path_; }
-  [[nodiscard]] const std::string& folder() const { return folder_; }
+  /// The path of the file that `uri`, the "uri" of `value`, names. Throws BadInput where it must not be read.
+  [[nodiscard]] std::string file_of(const std::string& uri, const Value& value) const;
   [[nodiscard]] const std::vector<Accessor>& accessors() const { return accessors_; }
   /// Of the file and its buffers.
   [[nodiscard]] std::size_t file_bytes() const { return total_bytes_; }
@@ -99,6 +101,7 @@ class Document {
   [[nodiscard]] Bytes buffer(int index) const { return buffers_[static_cast<std::size_t>(index)]; }
 
   std::string path_, folder_;
+  bool outside_;
   Diagnostics* diagnostics_;
   std::vector<std::byte> file_;
   std::string_view json_text_;

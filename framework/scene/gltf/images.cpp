@@ -81,12 +81,9 @@ void Images::locate(Job& job, const Value& value) {
     } else {
       job.failure = "its data: URI is not valid base64";
     }
-  } else if (const std::optional<std::string> path = resolve_uri(uri, document_.folder())) {
-    job.path = *path;
-    if (job.name.empty()) job.name = uri;
   } else {
-    value.fail("gltf-uri", "the URI \"" + uri + "\" does not stay within the folder of the file",
-               "put the image beside the .gltf file and name it by a relative URI");
+    job.path = document_.file_of(uri, value);
+    if (job.name.empty()) job.name = uri;
   }
 }
 

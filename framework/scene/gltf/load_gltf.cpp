@@ -64,7 +64,8 @@ void check_extensions(Document& document) {
 
 class Loader {
  public:
-  Loader(const std::string& path, Diagnostics& diagnostics) : document_(path, diagnostics), images_(document_) {
+  Loader(const std::string& path, Diagnostics& diagnostics, bool outside)
+      : document_(path, diagnostics, outside), images_(document_) {
     scene_.path = path;
   }
 
@@ -284,9 +285,9 @@ class Loader {
 
 }  // namespace
 
-Scene load(const std::string& path, Diagnostics& diagnostics) {
+Scene load(const std::string& path, Diagnostics& diagnostics, bool outside) {
   try {
-    return Loader(path, diagnostics).load();
+    return Loader(path, diagnostics, outside).load();
   } catch (const std::bad_alloc&) {
     throw Error(path + ": the memory does not suffice to load it");
   }
@@ -294,8 +295,8 @@ Scene load(const std::string& path, Diagnostics& diagnostics) {
 
 }  // namespace gltf
 
-Scene load_gltf(const std::string& path, Diagnostics& diagnostics) {
-  Scene scene = gltf::load(path, diagnostics);
+Scene load_gltf(const std::string& path, Diagnostics& diagnostics, LoadOptions options) {
+  Scene scene = gltf::load(path, diagnostics, options.allow_outside);
   scene.content_hash = content_hash(scene);
   return scene;
 }

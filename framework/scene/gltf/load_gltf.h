@@ -8,6 +8,6 @@
 namespace loom::scene::gltf {
 
 /// As load_gltf(), but leaves the content hash to the caller, who may still change the scene.
-Scene load(const std::string& path, Diagnostics& diagnostics);
+Scene load(const std::string& path, Diagnostics& diagnostics, bool outside);
 
 }  // namespace loom::scene::gltf

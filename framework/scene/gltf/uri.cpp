@@ -1,5 +1,6 @@
 #include "scene/gltf/uri.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -46,6 +47,16 @@ std::optional<std::string> percent_decode(std::string_view text) {
   return result;
 }
 
+/// Whether `path`, with all symbolic links followed, lies in `folder` or below it. What is not there does.
+bool stays_within(const std::filesystem::path& folder, const std::filesystem::path& path) {
+  std::error_code failed;
+  const std::filesystem::path top = std::filesystem::weakly_canonical(folder.empty() ? "." : folder, failed);
+  if (failed) return false;
+  const std::filesystem::path real = std::filesystem::weakly_canonical(path, failed);
+  if (failed) return false;  // links in a circle
+  return std::mismatch(top.begin(), top.end(), real.begin(), real.end()).first == top.end();
+}
+
 }  // namespace
 
 bool is_data_uri(std::string_view uri) { return uri.starts_with("data:"); }
@@ -74,18 +85,20 @@ std::optional<std::vector<std::byte>> decode_data_uri(std::string_view uri) {
   return bytes;
 }
 
-std::optional<std::string> resolve_uri(std::string_view uri, const std::string& folder) {
+std::optional<std::string> resolve_uri(std::string_view uri, const std::string& folder, bool outside) {
   const std::optional<std::string> decoded = percent_decode(uri);
   if (!decoded || decoded->empty()) return std::nullopt;
   if (decoded->find('\0') != std::string::npos || decoded->find('\\') != std::string::npos) return std::nullopt;
   // A colon before the first slash is a scheme (or a drive).
   if (decoded->find(':') < decoded->find('/')) return std::nullopt;
-  const std::filesystem::path relative(*decoded);
-  if (relative.is_absolute()) return std::nullopt;
-  for (const std::filesystem::path& part : relative) {
+  const std::filesystem::path named(*decoded), path = std::filesystem::path(folder) / named;
+  if (outside) return path.string();
+  if (named.is_absolute()) return std::nullopt;
+  for (const std::filesystem::path& part : named) {
     if (part == "..") return std::nullopt;
   }
-  return (std::filesystem::path(folder) / relative).string();
+  if (!stays_within(folder, path)) return std::nullopt;
+  return path.string();
 }
 
 std::optional<std::vector<std::byte>> read_file(const std::string& path, std::size_t max_bytes, std::string& why) {

@@ -13,10 +13,10 @@ namespace loom::scene::gltf {
 /// The bytes of `data:<type>;base64,<text>`; empty where it is damaged.
 [[nodiscard]] std::optional<std::vector<std::byte>> decode_data_uri(std::string_view uri);
 
-/// The path of a relative URI after percent-decoding, below `folder`; empty where it is absolute, has a scheme, climbs
-/// with "..", or is damaged. Symbolic links are followed: what they point to is the owner's of the folder to answer
-/// for.
-[[nodiscard]] std::optional<std::string> resolve_uri(std::string_view uri, const std::string& folder);
+/// The path that a URI names after percent-decoding, relative to `folder`; empty where it has a scheme or is damaged,
+/// and, unless `outside` is allowed, where it is absolute, climbs with "..", or goes through a symbolic link out of the
+/// folder.
+[[nodiscard]] std::optional<std::string> resolve_uri(std::string_view uri, const std::string& folder, bool outside);
 
 /// All bytes of a file; empty where it cannot be read, is no regular file or is longer than `max_bytes`. `why` says
 /// which.
