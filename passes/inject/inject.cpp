@@ -81,6 +81,11 @@ class Inject final : public Pass {
                .doc = "rays from all emissive triangles, and again from the sky, to what they light; 0 = none"});
     p.choice("method", method_, {"compute", "points"},
              {.cost = Cost::graph, .doc = "how flux is summed: fixed-point atomics, or points blended into layers"});
+    p.choice(
+        "storage", storage_, {"fp32", "fp16"},
+        {.cost = Cost::graph,
+         .doc = "of flux and blocked shares; `fp16`: half the memory, 11 bits, rounded once a light, and at most "
+                "65504 W/sr a coefficient. Flux that `points` blend stays in fp32: in halves it would stop growing"});
   }
 
   void reflect(Ports& ports, const SceneFacts& facts) override {
@@ -129,10 +134,11 @@ class Inject final : public Pass {
     const auto has = [&](const std::string& member) { return flag(bindings.has(member)); };
     blocks_ = bindings.has("blockers.occupancy");
     const Define color{"CHANNELS", std::to_string(channels_)};
+    const Define half{"HALF", flag(storage_ == "fp16")};
     const std::vector<Define> which_blockers = {
-        color, {"ALBEDO", has("blockers.albedo")}, {"DIRECTIONAL", has("blockers.directional")}};
+        color, half, {"ALBEDO", has("blockers.albedo")}, {"DIRECTIONAL", has("blockers.directional")}};
     const std::vector<Define> which_channels = {
-        color, {"RED", has("flux.red")}, {"GREEN", has("flux.green")}, {"BLUE", has("flux.blue")}};
+        color, half, {"RED", has("flux.red")}, {"GREEN", has("flux.green")}, {"BLUE", has("flux.blue")}};
     const auto source = [&](const std::vector<Define>& from, bool blocks, bool shines = true) {
       auto defines = which_blockers;
       defines.insert(defines.end(), from.begin(), from.end());
@@ -244,19 +250,24 @@ class Inject final : public Pass {
       desc.depth *= slabs;
       return desc;
     };
-    const Access written = method_ == "points" ? Access::color : Access::image_read_write;
+    const bool drawn = method_ == "points";
+    const Access written = drawn ? Access::color : Access::image_read_write;
+    const Format stored = storage_ == "fp16" ? Format::rgba16f : Format::rgba32f;
     for (int i = 0; i < channels_; ++i) {
       const std::string& channel = channels[static_cast<std::size_t>(i)];
-      flux.texture(channel, volume(Format::rgba32f, Filter::linear, cascades_), written).cleared(channel);
+      flux.texture(channel, volume(drawn ? Format::rgba32f : stored, Filter::linear, cascades_), written)
+          .cleared(channel);
     }
     const auto blocker = [&](const char* member, const TextureDesc& desc, Access access) {
       blockers.texture(member, desc, access).cleared(member);
     };
-    blocker("occupancy", volume(Format::rgba32f, Filter::nearest, cascades_), Access::image_read_write);
+    blocker("occupancy", volume(stored, Filter::nearest, cascades_), Access::image_read_write);
     // One slab a face axis.
     blocker("albedo", volume(Format::rgba16f, Filter::nearest, 3 * cascades_).with_channels(channels_),
             Access::image_write);
-    blocker("directional", volume(Format::rgba32f, Filter::nearest, cascades_), Access::image_read_write);
+    blocker("directional", volume(stored, Filter::nearest, cascades_), Access::image_read_write);
+    // Which of two walls is the larger decides about the rest.
+    for (const char* rest : {"albedo", "directional"}) blockers.needed("occupancy", rest);
 
     const std::size_t cells = static_cast<std::size_t>(grid_) * grid_ * grid_;
     if (method_ == "compute") {
@@ -373,7 +384,7 @@ class Inject final : public Pass {
   }
 
   int grid_ = 32, cascades_ = 1, emission_rays_ = 65536, channels_ = 3;
-  std::string method_ = "compute";
+  std::string method_ = "compute", storage_ = "fp32";
   interop::Grid coarsest_{};
   glm::vec3 scene_centre_{0};
   float scene_radius_ = 0;

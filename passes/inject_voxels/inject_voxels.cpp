@@ -23,6 +23,13 @@ using namespace loom;
 
 class InjectVoxels final : public Pass {
  public:
+  void params(Params& p) override {
+    p.choice(
+        "storage", storage_, {"fp32", "fp16"},
+        {.cost = Cost::graph,
+         .doc = "of flux and blocked shares; `fp16`: half the memory, 11 bits, and at most 65504 W/sr a coefficient"});
+  }
+
   void reflect(Ports& ports, const SceneFacts& facts) override {
     auto voxels = ports.in("voxels", "VoxelScene").reads("coverage").reads("plane").reads("extent");
     voxels.reads("centroid").reads("albedo").reads("radiance");
@@ -38,7 +45,7 @@ class InjectVoxels final : public Pass {
       return blockers.absent(why);
     }
     TextureDesc desc = *cells;
-    desc.format = Format::rgba32f;
+    desc.format = storage_ == "fp16" ? Format::rgba16f : Format::rgba32f;
     blockers.texture("occupancy", desc, Access::image_write).needed("occupancy");
     desc.filter = Filter::linear;
     static constexpr std::array<const char*, 3> names{"red", "green", "blue"};
@@ -52,10 +59,11 @@ class InjectVoxels final : public Pass {
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
-    flux_ =
-        device.program({.files = {"inject_voxels/flux.comp"}, .defines = {{"CHANNELS", std::to_string(channels_)}}});
+    const Define half{"HALF", storage_ == "fp16" ? "1" : "0"};
+    flux_ = device.program(
+        {.files = {"inject_voxels/flux.comp"}, .defines = {{"CHANNELS", std::to_string(channels_)}, half}});
     blockers_ = device.program({.files = {"inject_voxels/blockers.comp"},
-                                .defines = {{"ALBEDO", bindings.has("blockers.albedo") ? "1" : "0"}}});
+                                .defines = {{"ALBEDO", bindings.has("blockers.albedo") ? "1" : "0"}, half}});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -71,6 +79,7 @@ class InjectVoxels final : public Pass {
 
  private:
   int channels_ = 3;
+  std::string storage_ = "fp32";
   std::shared_ptr<const Program> flux_, blockers_;
 };
 

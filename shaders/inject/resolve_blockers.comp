@@ -1,14 +1,15 @@
 // Merges the areas that one buffer (a light, the camera) saw. A wall that several buffers see is the
 // wall of the buffer that sees most of it: areas are not added up over buffers.
 #include "inject/inject.glsl"
+#include "lib/storage.glsl"
 layout(local_size_x = 8, local_size_y = 4) in;
 
-layout(rgba32f) uniform image3D blockers_occupancy;
+layout(STORAGE_RGBA) uniform image3D blockers_occupancy;
 #if ALBEDO
 writeonly uniform image3D blockers_albedo;
 #endif
 #if DIRECTIONAL
-layout(rgba32f) uniform image3D blockers_directional;
+layout(STORAGE_RGBA) uniform image3D blockers_directional;
 #endif
 
 void main() {
@@ -33,6 +34,6 @@ void main() {
 #if DIRECTIONAL
   vec4 seen = vec4(0);
   for (int i = 0; i < 4; ++i) seen[i] = read_sum(DIRECTION_SLOT + i, k);
-  if (seen.x > imageLoad(blockers_directional, to).x) imageStore(blockers_directional, to, seen);
+  if (seen.x > imageLoad(blockers_directional, to).x) imageStore(blockers_directional, to, stored(seen));
 #endif
 }

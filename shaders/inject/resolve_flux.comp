@@ -1,15 +1,16 @@
 // Adds one source's fixed-point sums to the volumes. A channel that nobody reads is not made.
 #include "inject/inject.glsl"
+#include "lib/storage.glsl"
 layout(local_size_x = 8, local_size_y = 4) in;
 
 #if RED
-layout(rgba32f) uniform image3D flux_red;
+layout(STORAGE_RGBA) uniform image3D flux_red;
 #endif
 #if GREEN
-layout(rgba32f) uniform image3D flux_green;
+layout(STORAGE_RGBA) uniform image3D flux_green;
 #endif
 #if BLUE
-layout(rgba32f) uniform image3D flux_blue;
+layout(STORAGE_RGBA) uniform image3D flux_blue;
 #endif
 layout(std430) readonly buffer scratch_fixed { int fixed_flux[]; };
 layout(std430) readonly buffer scratch_scale { float flux_scale; };
@@ -27,12 +28,12 @@ void main() {
   if (any(greaterThanEqual(cell, grid.cells.xyz)) || !(flux_scale > 0.0)) return;
   ivec3 to = volume_texel(cell);
 #if RED
-  imageStore(flux_red, to, imageLoad(flux_red, to) + sum_of(0, cell));
+  imageStore(flux_red, to, stored(imageLoad(flux_red, to) + sum_of(0, cell)));
 #endif
 #if GREEN
-  imageStore(flux_green, to, imageLoad(flux_green, to) + sum_of(1, cell));
+  imageStore(flux_green, to, stored(imageLoad(flux_green, to) + sum_of(1, cell)));
 #endif
 #if BLUE
-  imageStore(flux_blue, to, imageLoad(flux_blue, to) + sum_of(2, cell));
+  imageStore(flux_blue, to, stored(imageLoad(flux_blue, to) + sum_of(2, cell)));
 #endif
 }

@@ -1,9 +1,10 @@
 // Blocked share of each cell's three lower faces: a sheet blocks the face nearest to it along each axis e, by
 // A·|⟨n,e⟩|/s² of it. A face gathers from the two cells beside it.
 #include "lib/sheets.glsl"
+#include "lib/storage.glsl"
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
-layout(rgba32f) uniform writeonly image3D blockers_occupancy;
+layout(STORAGE_RGBA) uniform writeonly image3D blockers_occupancy;
 #if ALBEDO
 writeonly uniform image3D blockers_albedo;
 #endif

@@ -2,13 +2,14 @@
 // in the cell that lies half a cell off it. A cell gathers from itself and its neighbours, so that sums have one order.
 #include "lib/sh.glsl"
 #include "lib/sheets.glsl"
+#include "lib/storage.glsl"
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
 uniform sampler3D voxels_radiance;
-layout(rgba32f) uniform writeonly image3D flux_red;
+layout(STORAGE_RGBA) uniform writeonly image3D flux_red;
 #if CHANNELS > 1
-layout(rgba32f) uniform writeonly image3D flux_green;
-layout(rgba32f) uniform writeonly image3D flux_blue;
+layout(STORAGE_RGBA) uniform writeonly image3D flux_green;
+layout(STORAGE_RGBA) uniform writeonly image3D flux_blue;
 #endif
 
 void main() {
@@ -30,9 +31,9 @@ void main() {
       blue += power.b * lobe;
     }
   }
-  imageStore(flux_red, cell, red);
+  imageStore(flux_red, cell, stored(red));
 #if CHANNELS > 1
-  imageStore(flux_green, cell, green);
-  imageStore(flux_blue, cell, blue);
+  imageStore(flux_green, cell, stored(green));
+  imageStore(flux_blue, cell, stored(blue));
 #endif
 }

@@ -1,6 +1,7 @@
 // Injection: flux kept whatever the grid, the same by atomics and by points, and blockers that are shares of a face.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -62,6 +63,47 @@ scene::Scene room(int quarters = 0, glm::vec3 shift = glm::vec3(0), float power 
 }
 
 // Injection is only a change of representation: the grid holds the flux that the maps hold.
+/// A half float has 11 bits; OpenGL leaves open which way it rounds, so that a value is off by up to 2⁻¹⁰ of it. Each
+/// of the two sources, the light and the lamp, is rounded when it is added. What the first brings to a linear band is
+/// at most 1.023327/.886227 of the constant band, to which sources only add.
+TEST_F(Injection, HalfFloatsAreRoundedOnceASource) {
+  Bench bench(*device_, room());
+  const Set half{{"inject", "storage", "fp16"}};
+  for (const char* member : {"flux.red", "flux.green", "blockers.occupancy", "blockers.directional"}) {
+    const std::string output = std::string("inject.") + member;
+    const Texels single = read(bench, output), stored = read(bench, output, half);
+    double worst = 0, largest = 0;
+    std::size_t rounded = 0;
+    ASSERT_EQ(single.values.size(), stored.values.size());
+    for (std::size_t i = 0; i < single.values.size(); ++i) {
+      const double most = 1.023327 / .886227 * std::abs(single.values[i].x);
+      for (int c = 0; c < 4; ++c) {
+        const double value = single.values[i][c], off = std::abs(stored.values[i][c] - value);
+        largest = std::max(largest, std::abs(value));
+        rounded += off > 0 ? 1 : 0;
+        worst = std::max(worst, off / (2 * (std::max(most, std::abs(value)) * 0x1p-10 + 0x1p-24)));
+      }
+    }
+    EXPECT_GT(largest, .01) << member;
+    EXPECT_LE(worst, 1) << member;
+    EXPECT_GT(rounded, 0u) << member << " is not in half floats";
+  }
+}
+
+/// More than a half float holds stays at its largest finite value.
+TEST_F(Injection, HalfFloatsStayFinite) {
+  Bench bench(*device_, room(0, glm::vec3(0), 1e9F));
+  const Texels flux = read(bench, "inject.flux.red", {{"inject", "storage", "fp16"}});
+  float largest = 0;
+  for (const glm::vec4& value : flux.values) {
+    for (int c = 0; c < 4; ++c) {
+      ASSERT_TRUE(std::isfinite(value[c]));
+      largest = std::max(largest, value[c]);
+    }
+  }
+  EXPECT_EQ(largest, 65504);
+}
+
 TEST_F(Injection, InjectionKeepsTheFluxOfTheMaps) {
   const auto maps = test::render_text(LOOM_SOURCE_DIR "/pipelines/lpv.json", "", {32, 32},
                                       {.output = "rsm.lights.flux", .overrides = {{"rsm", "size", "64"}}});
