@@ -145,7 +145,6 @@ void App::layout() {
                    ImGuiWindowFlags_NoSavedSettings);
   const float unit = ImGui::GetFontSize();
   draw_toolbar(ui_);
-  ImGui::NewLine();
   const ImVec2 room = ImGui::GetContentRegionAvail();
   const float status = ImGui::GetFrameHeightWithSpacing();
   const float height = std::max(room.y - status, 1.F);

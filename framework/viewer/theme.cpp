@@ -21,6 +21,8 @@ void load_font(float scale) {
                                                      0x2070, 0x209f, 0x2190, 0x21ff, 0x2200, 0x22ff,
                                                      0x2580, 0x25ff, 0x2713, 0x2718, 0};
   ImGuiIO& io = ImGui::GetIO();
+  io.Fonts->Clear();
+  io.FontGlobalScale = 1;
   for (const char* font : fonts) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(font, error)) continue;
@@ -32,6 +34,7 @@ void load_font(float scale) {
 }  // namespace
 
 void apply_theme(float scale) {
+  ImGui::GetStyle() = ImGuiStyle();  // sizes are scaled from their beginning
   ImGui::StyleColorsDark();
   load_font(scale);
   ImGuiStyle& style = ImGui::GetStyle();

@@ -52,7 +52,9 @@ Window::Window(const WindowOptions& options) : title_(options.title) {
   glfwSwapInterval(1);
   float x = 1, y = 1;
   glfwGetWindowContentScale(window_, &x, &y);
-  scale_ = (x > 0 ? x : 1) * options.font_scale;
+  font_scale_ = options.font_scale;
+  if (x > 0) events_.content_scale = x;
+  scale_ = events_.content_scale * font_scale_;
 
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
@@ -88,6 +90,10 @@ void Window::listen() {
   glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int) { events(w).any = true; });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { events(w).any = true; });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* w, int, int) { events(w).any = true; });
+  glfwSetWindowContentScaleCallback(window_, [](GLFWwindow* w, float x, float) {
+    events(w).any = true;
+    if (x > 0) events(w).content_scale = x;
+  });
   glfwSetWindowCloseCallback(window_, [](GLFWwindow* w) { events(w).any = true; });
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
     events(w).any = true;
@@ -108,6 +114,13 @@ bool Window::wait(double seconds) {
 bool Window::should_close() const { return glfwWindowShouldClose(window_) != GLFW_FALSE; }
 
 void Window::begin_frame() {
+  // A window that came to another screen: its letters are drawn anew, of the size that they have there.
+  if (const float wanted = events_.content_scale * font_scale_; wanted != scale_) {
+    scale_ = wanted;
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    apply_theme(scale_);
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();

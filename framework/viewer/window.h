@@ -14,7 +14,7 @@ struct WindowOptions {
   std::string title;
   glm::ivec2 size{1440, 900};
   glm::ivec2 position{-1, -1};
-  float font_scale = 1;
+  float font_scale = 1;  ///< the user's choice, on top of the desktop's
 };
 
 class Window {
@@ -47,13 +47,14 @@ class Window {
  private:
   struct Events {
     bool any = false;
+    float content_scale = 1;  ///< pixels of the framebuffer a point of the desktop
     std::vector<std::string> dropped;
   };
   void listen();
   static Events& events(GLFWwindow* window);
 
   GLFWwindow* window_ = nullptr;
-  float scale_ = 1;
+  float font_scale_ = 1, scale_ = 1;
   std::string title_;
   Events events_;
 };

@@ -1,5 +1,6 @@
 #include "viewer_window/display.h"
 
+#include <X11/Xatom.h>
 #include <X11/Xlib.h>
 #include <X11/extensions/XTest.h>
 #include <spawn.h>
@@ -42,7 +43,18 @@ VirtualDisplay::VirtualDisplay() {
   setenv("DISPLAY", (":" + number).c_str(), 1);
 }
 
+void VirtualDisplay::set_dots_per_inch(int dots) {
+  if (resources_ == nullptr) resources_ = XOpenDisplay(nullptr);
+  Display* display = as_display(resources_);
+  if (display == nullptr) throw std::runtime_error("no display");
+  const std::string text = "Xft.dpi:\t" + std::to_string(dots) + "\n";
+  XChangeProperty(display, DefaultRootWindow(display), XA_RESOURCE_MANAGER, XA_STRING, 8, PropModeReplace,
+                  reinterpret_cast<const unsigned char*>(text.c_str()), static_cast<int>(text.size()));
+  XSync(display, False);
+}
+
 VirtualDisplay::~VirtualDisplay() {
+  if (resources_ != nullptr) XCloseDisplay(as_display(resources_));
   if (pid_ <= 0) return;
   kill(pid_, SIGTERM);
   waitpid(pid_, nullptr, 0);

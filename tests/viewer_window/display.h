@@ -16,9 +16,12 @@ class VirtualDisplay {
   VirtualDisplay(const VirtualDisplay&) = delete;
   VirtualDisplay& operator=(const VirtualDisplay&) = delete;
   [[nodiscard]] bool running() const { return pid_ > 0; }
+  /// What a desktop of so many dots an inch tells the programs that are started from now on.
+  void set_dots_per_inch(int dots);
 
  private:
   pid_t pid_ = 0;
+  void* resources_ = nullptr;  ///< keeps the server from forgetting them
 };
 
 /// Moves the pointer and presses keys through the X server, so that they come to the program as any other input does.

@@ -178,6 +178,8 @@ void TexturePanel::draw_image() {
   if (fit > 1) fit = std::floor(fit);
   const ImVec2 size(fit * static_cast<float>(view_.width), fit * static_cast<float>(view_.height));
   const ImVec2 corner = ImGui::GetCursorScreenPos();
+  picture_at_ = {corner.x, corner.y};
+  texel_size_ = fit;
   ImGui::Image(image_of(*picture_), size);
   std::string text = fmt::format("shown {} … {}", number(view_.range.x), number(view_.range.y));
   if (view_.not_finite > 0) text += fmt::format("   {} not finite", view_.not_finite);
@@ -197,6 +199,7 @@ void TexturePanel::draw_image() {
     }
   }
   ImGui::TextUnformatted(text.c_str());
+  said_ = std::move(text);
 }
 
 void TexturePanel::draw(Ui& ui) {

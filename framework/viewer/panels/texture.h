@@ -22,6 +22,10 @@ class TexturePanel {
   [[nodiscard]] const TextureView& view() const { return view_; }
   /// How often texels were read back.
   [[nodiscard]] std::uint64_t reads() const { return reads_; }
+  /// The line below the picture, and where the picture lies: its upper left corner on the screen, pixels a texel.
+  [[nodiscard]] const std::string& said() const { return said_; }
+  [[nodiscard]] glm::vec2 picture_at() const { return picture_at_; }
+  [[nodiscard]] float texel_size() const { return texel_size_; }
   /// True where what is shown is older than what was rendered: a reading was put off, and is due now.
   [[nodiscard]] bool wants_redraw() const;
   TextureViewSettings settings;
@@ -48,7 +52,9 @@ class TexturePanel {
   double next_read_s_ = 0;
   bool put_off_ = false, stale_ = true;
   glm::vec2 percent_{1, 99};
-  std::string filter_, unit_;
+  std::string filter_, unit_, said_;
+  glm::vec2 picture_at_{0};
+  float texel_size_ = 1;
 };
 
 }  // namespace loom::viewer

@@ -17,16 +17,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool button(const char* label, const char* tip, bool enabled = true) {
+/// Right of the widget before where `width` pixels fit into the window there, else in a row of its own.
+void beside(float width, bool gap) {
+  const float space = gap ? ImGui::GetFontSize() : ImGui::GetStyle().ItemSpacing.x;
+  const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  if (ImGui::GetItemRectMax().x + space + width <= end) ImGui::SameLine(0, space);
+}
+
+/// `gap`: it begins a group.
+bool button(Ui& ui, const char* label, const char* tip, bool gap = false, bool enabled = true) {
+  beside(ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x, gap);
   ImGui::BeginDisabled(!enabled);
   const bool pressed = ImGui::Button(label);
   ImGui::EndDisabled();
   if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", tip);
-  ImGui::SameLine();
+  ui.note_place(label);
   return pressed;
 }
-
-void gap() { ImGui::SameLine(0, ImGui::GetFontSize()); }
 
 /// A name that is not taken yet: view-000.png, view-001.png, …
 std::string next_file(const std::string& stem, const std::string& extension) {
@@ -76,25 +83,26 @@ void draw_toolbar(Ui& ui) {
   const std::string name = fs::path(model.pipeline_path()).stem().string();
   ImGui::AlignTextToFramePadding();
   ImGui::TextColored(colour::accent, "%s", name.c_str());
-  gap();
-  if (button("Undo", "Ctrl+Z", model.can_undo())) ui.later([&model] { model.undo(); });
-  if (button("Redo", "Ctrl+Y", model.can_redo())) ui.later([&model] { model.redo(); });
-  gap();
-  if (button(model.playing ? "Pause" : "Play", "time of the animation (Space)")) toggle_play(ui);
-  if (button("Step", "a sixtieth of a second (.)")) step(ui);
-  if (button("Restart", "forget history and accumulated state (R)")) ui.later([&model] { model.reset(); });
+  if (button(ui, "Undo", "Ctrl+Z", true, model.can_undo())) ui.later([&model] { model.undo(); });
+  if (button(ui, "Redo", "Ctrl+Y", false, model.can_redo())) ui.later([&model] { model.redo(); });
+  if (button(ui, model.playing ? "Pause" : "Play", "time of the animation (Space)", true)) toggle_play(ui);
+  if (button(ui, "Step", "a sixtieth of a second (.)")) step(ui);
+  if (button(ui, "Restart", "forget history and accumulated state (R)")) ui.later([&model] { model.reset(); });
   bool continuous = model.continuous;
-  if (ImGui::Checkbox("keep rendering", &continuous)) ui.later([&model, continuous] { model.continuous = continuous; });
+  constexpr const char* keep = "keep rendering";
+  beside(ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize(keep).x, false);
+  if (ImGui::Checkbox(keep, &continuous)) ui.later([&model, continuous] { model.continuous = continuous; });
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("render on though nothing changes; otherwise a pipeline with\nstate gets %d frames to settle",
                       settle_frames);
-  gap();
-  if (button("Save as…", "a pipeline with what differs (Ctrl+S)")) ui.save_dialog = true;
-  if (button("PNG", "the picture (F12)")) take_screenshot(ui, ".png");
-  if (button("EXR", "radiance (Shift+F12)")) take_screenshot(ui, ".exr");
-  if (button("Copy command", "a command line that renders this view (Ctrl+Shift+C)")) copy_command_line(ui);
-  gap();
-  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 4);
+  ui.note_place(keep);
+  if (button(ui, "Save as…", "a pipeline with what differs (Ctrl+S)", true)) ui.save_dialog = true;
+  if (button(ui, "PNG", "the picture (F12)")) take_screenshot(ui, ".png");
+  if (button(ui, "EXR", "radiance (Shift+F12)")) take_screenshot(ui, ".exr");
+  if (button(ui, "Copy command", "a command line that renders this view (Ctrl+Shift+C)")) copy_command_line(ui);
+  const float width = ImGui::GetFontSize() * 4;
+  beside(width, true);
+  ImGui::SetNextItemWidth(width);
   constexpr const char* shares[] = {"1/1", "1/2", "1/4"};
   int share = ui.divisor == 1 ? 0 : ui.divisor == 2 ? 1 : 2;
   ImGui::BeginDisabled(ui.fixed_size);
@@ -103,8 +111,7 @@ void draw_toolbar(Ui& ui) {
   if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
     ImGui::SetTooltip(ui.fixed_size ? "the frame has the size of --size or the run file"
                                     : "frame size as a share of the view's");
-  gap();
-  if (button("?", "keys and gestures (?)")) ui.show_help = true;
+  if (button(ui, "?", "keys and gestures (?)", true)) ui.show_help = true;
 }
 
 void draw_status(Ui& ui) {
