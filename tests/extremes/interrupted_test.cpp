@@ -1,7 +1,6 @@
-// Runs that are cut off, disks that are full, processes that share a cache, sessions that do not end.
+// Runs that are cut off, disks that are full, processes that share a cache.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <malloc.h>
 
 #include <nlohmann/json.hpp>
 
@@ -17,8 +16,6 @@
 #include <vector>
 
 #include "core/image_io.h"
-#include "measure/stress_scenes.h"
-#include "support/bench.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
 
@@ -194,49 +191,6 @@ TEST(Interrupted, ProcessesShareTheCache) {
   }
   EXPECT_FALSE(fs::is_empty(dir / "cache/lightloom"));
 }
-
-/// Bytes in use, of the C library's heap: textures of a software renderer lie there too.
-std::size_t in_use() {
-  const struct mallinfo2 info = mallinfo2();
-  return info.uordblks + info.hblkhd;
-}
-
-/// Light bounces without loss and every frame starts from the last one's: nothing may grow, neither light nor memory.
-void run_long(Device& device, const std::string& pipeline, int frames, bool keep) {
-  const measure::View view = measure::make_room({.albedo = 1, .lights = 2, .lamp = 1});
-  Bench bench(device, view.scene);
-  bench.look(view.camera);
-  BenchOptions options{.size = {8, 6}, .requested = {"hdr"}, .frames = frames / 3};
-  options.set = {{"rsm", "size", "32"}, {"rsm", "shadow_size", "64"}};
-  options.prune = keep;  // without, every pass runs in every frame
-  bench.render(pipeline, options);
-  const double early = bench.read("hdr").mean().x;
-  const std::size_t before = in_use();
-  for (int i = frames / 3; i < frames; ++i) bench.next_frame();
-  const double late = bench.read("hdr").mean().x;
-  EXPECT_GT(late, 0);
-  EXPECT_NEAR(late, early, .02 * early) << pipeline;
-  // Timings are kept for some thousand frames.
-  EXPECT_LT(in_use(), before + (4u << 20)) << pipeline;
-}
-
-class Long : public GlTest, public testing::WithParamInterface<std::string> {};
-TEST_P(Long, ThreeHundredFramesDriftAndGrowNowhere) { run_long(*make_device(""), GetParam(), 300, true); }
-INSTANTIATE_TEST_SUITE_P(Quick, Long, testing::Values("rsm-denoised.json"),
-                         [](const auto& parameter) { return parameter.param.substr(0, 3); });
-
-class SlowLong : public GlTest, public testing::WithParamInterface<std::string> {};
-TEST_P(SlowLong, TenThousandFramesDriftAndGrowNowhere) { run_long(*make_device(""), GetParam(), 10000, false); }
-INSTANTIATE_TEST_SUITE_P(Ten, SlowLong,
-                         testing::Values("direct.json", "area.json", "rsm.json", "rsm-denoised.json", "lpv-fast.json",
-                                         "lpv-cascaded-fast.json", "lpv-voxel-fast.json", "ray-march-fast.json",
-                                         "ray-march-probes-fast.json", "cone-trace-fast.json",
-                                         "radiance-field-fast.json", "radiance-field-voxel-fast.json"),
-                         [](const auto& parameter) {
-                           std::string name = parameter.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name.substr(0, name.find('.'));
-                         });
 
 }  // namespace
 }  // namespace loom::test
