@@ -9,7 +9,7 @@
 #   LOOM_TIDY=0          leave out clang-tidy
 #   LOOM_TIDY_FILES=re   files that clang-tidy looks at, by path; default ^passes/, since the whole tree takes long.
 #                        Clean files are remembered in build/
-#   LOOM_TIDY_SECONDS=n  time for clang-tidy, 420; files with changes come first, what is not reached is counted
+#   LOOM_TIDY_SECONDS=n  time for clang-tidy, 300; files with changes come first, what is not reached is counted
 #   LOOM_SCENES=folder   scenes that are not shipped; default ../shared/scenes. Tests that need them skip without
 set -uo pipefail
 cd "$(dirname "$0")" || exit 1
@@ -50,7 +50,7 @@ step "building" cmake --build build --parallel "$jobs" || exit 1
 run_tests build
 step "formatting" tests/tools/format_check.sh || failures+=("formatting")
 if [ "${LOOM_TIDY:-1}" != 0 ]; then
-  step "clang-tidy" python3 tests/tools/tidy.py --build build --jobs "$jobs" --seconds "${LOOM_TIDY_SECONDS:-420}" \
+  step "clang-tidy" python3 tests/tools/tidy.py --build build --jobs "$jobs" --seconds "${LOOM_TIDY_SECONDS:-300}" \
     --filter "${LOOM_TIDY_FILES-^passes/}" ||
     failures+=("clang-tidy")
   tail -n 1 "$logs/clang-tidy.log"

@@ -69,6 +69,9 @@ configure() {
   shift
   set -- -S . -B "$folder" "$@"
   [ -e "$folder/CMakeCache.txt" ] || set -- -G Ninja "$@"
+  # ccache need not preprocess what it has not got, since Ninja has the names of all headers; precompiled ones it takes
+  # with these words.
+  export CCACHE_DEPEND=1 CCACHE_SLOPPINESS=pch_defines,time_macros
   command -v ccache >/dev/null 2>&1 && set -- "$@" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
   cmake "$@"
 }

@@ -58,7 +58,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", default="build")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--seconds", type=float, default=420)
+    parser.add_argument("--seconds", type=float, default=300)
     parser.add_argument("--filter", default="", help="only files whose path in the tree matches")
     arguments = parser.parse_args()
     root = pathlib.Path(__file__).resolve().parents[2]
