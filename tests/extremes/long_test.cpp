@@ -122,6 +122,7 @@ std::vector<graph::Override> small_sizes(const std::string& pipeline, const Scen
   if (!compiled.graph) throw BadInput(compiled.diagnostics);
   std::vector<graph::Override> set;
   for (const graph::CompiledPass& pass : compiled.graph->passes) {
+    if (pass.type == "DebugView") continue;  // its numbers choose what is shown
     for (const ParamDecl& decl : pass.params.all()) {
       if (decl.kind != ParamKind::integer || decl.min > 4) continue;
       if (decl.max < 4) continue;
@@ -208,14 +209,18 @@ TEST_P(SlowSoak, NothingDriftsAndNothingGrows) {
                 textures_kib, heap_kib, resident_kib, light, mean_early, drift, finite ? "" : ", NOT FINITE");
   const std::string line = begin + found;
   std::printf("%s\n", line.c_str());
+  const auto write = [&] {
+    if (log != nullptr) std::ofstream(log, std::ios::app) << line << (HasFailure() ? "  FAILED\n" : "\n");
+  };
   EXPECT_TRUE(finite);
   EXPECT_EQ(textures_kib, 0);
   EXPECT_LT(heap_kib, 4096);  // timings are kept for some thousand frames
   EXPECT_LT(resident_kib, 16384);
+  if (output != "hdr") return write();  // views of data, which may be black
   EXPECT_GT(mean_late, 0);
   EXPECT_TRUE(!still || same_bits(first, last));
   EXPECT_NEAR(mean_late, mean_early, .02 * mean_early);
-  if (log != nullptr) std::ofstream(log, std::ios::app) << line << (HasFailure() ? "  FAILED\n" : "\n");
+  write();
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, SlowSoak, testing::ValuesIn(shipped()), [](const auto& parameter) {
