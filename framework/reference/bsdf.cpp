@@ -27,7 +27,7 @@ glm::mat3 frame_of(const glm::vec3& n) {
 
 }  // namespace
 
-Bsdf::Bsdf(const SurfacePoint& at, const glm::vec3& to_viewer) : at_(at) {
+Bsdf::Bsdf(const SurfacePoint& at, const glm::vec3& to_viewer) : at_(at), to_viewer_(to_viewer) {
   if (!at.glossy) return;
   const float cosine = glm::dot(at.normal, to_viewer);
   const glm::vec3 normal =
@@ -112,6 +112,22 @@ BsdfSample Bsdf::sample(Lobes lobes, glm::vec2 u, glm::vec2 choice) const {
   if (!above || cosine <= 0 || !(s.density > 0)) return {};
   s.weight = evaluate(s.direction, lobes) * (cosine / s.density);
   return s;
+}
+
+// f is symmetric but for n² of glass, which is radiance's and not flux's. A path's weight has the cosine of the shading
+// normal n where it leaves; flux, Φ = ∫ L⟨n_g,ω⟩, has n's where it arrives and n_g's where it leaves (Veach 1997, 5.3):
+//   Φ'/Φ = weight · ⟨n,in⟩/⟨n_g,in⟩ · ⟨n_g,out⟩/⟨n,out⟩ (· η² where it is refracted).
+FluxSample Bsdf::sample_flux(glm::vec2 u, glm::vec2 choice) const {
+  const float share = specular_share(Lobes::all);
+  const bool specular = choice.x < share;
+  const BsdfSample s = sample(specular ? Lobes::specular : Lobes::diffuse, u, choice);
+  const float in = glm::dot(at_.normal, to_viewer_);
+  if (s.weight == glm::vec3(0) || in <= 0) return {};
+  const float in_plane = glm::dot(at_.geometric_normal, to_viewer_);
+  const float out = glm::dot(at_.normal, s.direction), out_plane = glm::dot(at_.geometric_normal, s.direction);
+  const float turned = in * std::abs(out_plane) / (std::max(1e-3F, in_plane) * std::max(1e-3F, std::abs(out)));
+  const float index = out_plane < 0 ? eta_ * eta_ : 1;
+  return {s.direction, s.weight * (turned * index / (specular ? share : 1 - share)), specular};
 }
 
 BsdfSample Bsdf::sample_specular(glm::vec2 u, float choice) const {

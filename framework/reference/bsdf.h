@@ -23,6 +23,13 @@ struct BsdfSample {
   float density = 0;
 };
 
+/// A photon's next leg: where it goes, and its flux there over what it was.
+struct FluxSample {
+  glm::vec3 direction{0};  ///< unit, from the surface
+  glm::vec3 weight{0};     ///< 0: the photon ends
+  bool specular = false;   ///< by the specular lobes; else by the diffuse one
+};
+
 class LOOM_API Bsdf {
  public:
   /// `to_viewer`: unit, from the surface.
@@ -35,6 +42,8 @@ class LOOM_API Bsdf {
   [[nodiscard]] float density(const glm::vec3& direction, Lobes lobes) const;
   /// `u`: the direction; `choice`: which lobe, and whether glass reflects.
   [[nodiscard]] BsdfSample sample(Lobes lobes, glm::vec2 u, glm::vec2 choice) const;
+  /// The same the other way: light comes from where the viewer was.
+  [[nodiscard]] FluxSample sample_flux(glm::vec2 u, glm::vec2 choice) const;
 
  private:
   [[nodiscard]] glm::vec3 diffuse(const glm::vec3& direction) const;
@@ -48,6 +57,7 @@ class LOOM_API Bsdf {
   [[nodiscard]] bool mirror() const;
 
   const SurfacePoint& at_;
+  glm::vec3 to_viewer_;
   glm::mat3 frame_{1};       ///< columns: tangents and the normal of the specular lobes
   glm::vec3 view_{0, 0, 1};  ///< in that frame, above the surface
   glm::vec3 albedo_{0};      ///< E(μ_v)

@@ -8,10 +8,8 @@
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
-#include "loom/diagnostic.h"
 #include "reference/bsdf.h"
 #include "reference/ggx.h"
-#include "reference/photons.h"
 #include "reference/scenes.h"
 #include "support/hand_scene.h"
 #include "support/scene_builders.h"
@@ -284,11 +282,6 @@ TEST(SpecularPaths, FurnaceWithGlassAndMirrorIsUniform) {
   b.mesh(loom::test::quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}), metal(glm::vec3(1), 0));
   const Film film = render(b.scene, probe({3, 4, 2}, {0, .3, 0}, .5), {16, 16}, 64);
   expect_mean(over_pixels(film, Layer::radiance), glm::dvec3(1), 2e-3);
-}
-
-TEST(SpecularPaths, PhotonMappingSaysThatItIsDiffuse) {
-  const Table table(metal(glm::vec3(1), .5F), 45);
-  EXPECT_THROW(PhotonMapper(table.builder.scene, table.camera.eye, {}), BadInput);
 }
 
 }  // namespace
