@@ -8,6 +8,7 @@
 #include "cli/facts_out.h"
 #include "cli/json_out.h"
 #include "scene/load.h"
+#include "scene/sky.h"
 
 namespace loom::cli {
 namespace {
@@ -37,6 +38,12 @@ Json info_json(const LoadedScene& loaded) {
   document["skins"] = scene.skins.size();
   add_facts(document, facts, scene.origin);
   document["sky"] = vector_json(scene.sky);
+  document["sky_bands"] = facts.sky_bands;
+  if (scene.sky_image) {
+    Json& image = document["sky_image"] = Json::parse(scene.sky_image->source);
+    image["width"] = scene.sky_image->width;
+    image["height"] = scene.sky_image->height;
+  }
   Json& lights = document["lights"] = Json::array();
   for (const scene::Light& light : scene.lights) {
     lights.push_back({{"name", light.name},
@@ -69,7 +76,14 @@ void print_info(const LoadedScene& loaded) {
   std::printf("  materials   %zu, %zu images; %zu animations, %zu skins\n", scene.materials.size(), scene.images.size(),
               scene.animations.size(), scene.skins.size());
   print_facts(f, scene.origin);
-  std::printf("  sky         (%g, %g, %g) W/(m2 sr)\n", scene.sky.r, scene.sky.g, scene.sky.b);
+  std::printf("  sky         %s(%g, %g, %g) W/(m2 sr)\n", scene.sky_image ? "mean " : "", scene.sky.r, scene.sky.g,
+              scene.sky.b);
+  if (scene.sky_image) {
+    std::printf("              %dx%d, %s\n", scene.sky_image->width, scene.sky_image->height,
+                scene.sky_image->source.c_str());
+    std::printf("              mean square by band: 0 %.4f, 1 %.4f, 2 %.4f, above %.4f\n", f.sky_bands[0],
+                f.sky_bands[1], f.sky_bands[2], f.sky_bands[3]);
+  }
   for (const scene::Light& light : scene.lights) {
     const glm::dvec3 position = light.position + scene.origin;
     std::printf("  light       %s %s at (%g, %g, %g), (%g, %g, %g) %s\n", name_of(light.kind), light.name.c_str(),

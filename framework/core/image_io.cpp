@@ -212,6 +212,35 @@ ImageLayers read_exr(const std::string& path) {
   return image;
 }
 
+ImageLayers read_hdr(const std::string& path) {
+  const std::vector<std::byte> bytes = read_bytes(path);
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) bad_image(path, "is too large");
+  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+  const int size = static_cast<int>(bytes.size());
+  int width = 0;
+  int height = 0;
+  int components = 0;
+  if (stbi_is_hdr_from_memory(data, size) == 0 ||
+      stbi_info_from_memory(data, size, &width, &height, &components) == 0 || width < 1 || height < 1 ||
+      width > max_pixels / height) {
+    bad_image(path, "not a Radiance picture that can be read");
+  }
+  require_plausible(path, width, height, 4, 64);  // a run of 127 bytes takes two
+  const std::unique_ptr<float, decltype(&stbi_image_free)> rgb(
+      stbi_loadf_from_memory(data, size, &width, &height, &components, 3), &stbi_image_free);
+  if (!rgb) bad_image(path, std::string("not a Radiance picture that can be read: ") + stbi_failure_reason());
+
+  ImageLayers image{.width = width, .height = height, .channels = {}, .attributes = {}};
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  const char* const names[] = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::vector<float>& values = image.channels[names[c]];
+    values.resize(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) values[i] = rgb.get()[3 * i + c];
+  }
+  return image;
+}
+
 ImageLayers read_png(const std::string& path) {
   const std::vector<std::byte> bytes = read_bytes(path);
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) bad_image(path, "is too large");

@@ -25,6 +25,8 @@ LOOM_API void write_png(const std::string& path, int width, int height, std::spa
 LOOM_API void write_exr(const std::string& path, const ImageLayers& image);
 /// Throws BadInput where the file is missing or damaged.
 LOOM_API ImageLayers read_exr(const std::string& path);
+/// "R" "G" "B" from a Radiance RGBE picture.
+LOOM_API ImageLayers read_hdr(const std::string& path);
 /// Linear Rec.709 "R" "G" "B" from an 8-bit sRGB PNG.
 LOOM_API ImageLayers read_png(const std::string& path);
 /// Writes `bytes` beside `path`, then renames. Throws Error.

@@ -37,7 +37,26 @@ std::function<std::vector<StressPart>()> of(Room room) {
 }
 
 /// A room that has all there is: two lights, a lamp.
-constexpr Room full{.lights = 2, .lamp = 3};
+constexpr Room closed{.lights = 2, .lamp = 3};
+/// The same without a wall, under a sky: passes that carry its light alone have nothing to do in a closed room.
+constexpr Room open{.lights = 2, .lamp = 3, .open = true, .sky = 2};
+
+bool lives_on_sky(const graph::CompiledGraph& graph) {
+  return std::any_of(graph.passes.begin(), graph.passes.end(), [](const graph::CompiledPass& pass) {
+    return pass.type == "PRT" || pass.type == "VisibilityField";
+  });
+}
+
+/// The pipeline's plan for the room that it is tried in; `room` becomes that.
+graph::CompileResult compile_for_its_room(const std::string& pipeline, const Registry& registry, Room& room,
+                                          const graph::CompileOptions& options = {}) {
+  room = closed;
+  graph::CompileResult compiled =
+      graph::compile_file(pipeline, registry, scene::compute_facts(make_room(room).scene), options);
+  if (!compiled.graph || !lives_on_sky(*compiled.graph)) return compiled;
+  room = open;
+  return graph::compile_file(pipeline, registry, scene::compute_facts(make_room(room).scene), options);
+}
 
 /// The values at which a parameter is tried: the ends of its range. `reduced`: a count ends at 8, so that all can be
 /// at their ends together.
@@ -111,8 +130,7 @@ class Cases {
 
   void add(const std::string& pipeline) {
     pipeline_ = pipeline;
-    const SceneFacts facts = scene::compute_facts(make_room(full).scene);
-    graph::CompileResult compiled = graph::compile_file(pipeline, registry_, facts, {.frame_size = {16, 12}});
+    graph::CompileResult compiled = compile_for_its_room(pipeline, registry_, full_, {.frame_size = {16, 12}});
     if (!compiled.graph) return;  // `loom check` says why
     base_.clear();
     for (const graph::CompiledPass& pass : compiled.graph->passes) {
@@ -183,13 +201,13 @@ class Cases {
     for (const ParamDecl& decl : pass.params.all()) {
       for (const std::string& value : ends(decl, false)) all.push_back({&pass, &decl, value});
     }
-    for (const End& end : all) set(put("a parameter at an end", end.text(), of(full)), end);
+    for (const End& end : all) set(put("a parameter at an end", end.text(), of(full_)), end);
     for (std::size_t i = 0; i < all.size(); ++i) {
       for (std::size_t k = i + 1; k < all.size(); ++k) {
         // Two values of one pass behave alike in every pipeline.
         if (all[i].decl == all[k].decl || !seen_.insert(all[i].kind() + ", " + all[k].kind()).second) continue;
         StressCase& made =
-            put("two parameters of a pass at their ends", all[i].text() + ", " + all[k].text(), of(full));
+            put("two parameters of a pass at their ends", all[i].text() + ", " + all[k].text(), of(full_));
         set(made, all[i]);
         set(made, all[k]);
       }
@@ -226,7 +244,7 @@ class Cases {
     std::set<Four> met;
     int rows = 0;
     const auto add = [&](const std::vector<int>& row, bool quick) {
-      StressCase& made = put(parameters_group, fmt::format("row {}", ++rows), of(full));
+      StressCase& made = put(parameters_group, fmt::format("row {}", ++rows), of(full_));
       made.quick = quick;
       for (int a = 0; a < static_cast<int>(row.size()); ++a) {
         set(made, value(a, row[static_cast<std::size_t>(a)]));
@@ -259,7 +277,7 @@ class Cases {
       const graph::Override single{pass.name, "storage", "fp32"}, half{pass.name, "storage", "fp16"};
       StressCase& made = put(
           storage_group, pass.name,
-          [single, half] {
+          [single, half, full = full_] {
             std::vector<StressPart> parts;
             parts.push_back({.view = make_room(full), .weight = 1, .set = {single}});
             parts.push_back({.view = make_room(full), .weight = -1, .set = {half}});
@@ -275,7 +293,7 @@ class Cases {
   void sizes() {
     for (const glm::ivec2 size : {glm::ivec2(1, 1), {1, 37}, {37, 1}, {3, 2}, {4096, 16}, {16, 4096}}) {
       const bool candidate = size == glm::ivec2(1, 1) || size == glm::ivec2(1, 37);
-      put("size of the image", fmt::format("{}x{}", size.x, size.y), of(full), candidate).size = size;
+      put("size of the image", fmt::format("{}x{}", size.x, size.y), of(full_), candidate).size = size;
     }
   }
 
@@ -285,17 +303,18 @@ class Cases {
           "odd scenes", view.name, [make = view.make] { return one(make()); }, true);
     }
     for (const int lights : {7, 64}) {
-      put("number of lights", fmt::format("{}", lights), of({.lights = lights}), lights < 64);
+      put("number of lights", fmt::format("{}", lights), of({.lights = lights, .open = full_.open, .sky = full_.sky}),
+          lights < 64);
     }
     for (const double voxels : {.1, .25, .5, 1., 2.}) {
       // The room is 4 m long; a grid of 10 has 8 cells along it and one more at each end.
-      StressCase& made =
-          put("thickness of a wall", fmt::format("{} cells", voxels), of({.divider = voxels * .5}), voxels == .1);
+      StressCase& made = put("thickness of a wall", fmt::format("{} cells", voxels),
+                             of({.open = full_.open, .sky = full_.sky, .divider = voxels * .5}), voxels == .1);
       for (graph::Override& set : made.set) {
         if (set.param == "grid") set.value = "10";
       }
     }
-    put("frames", "300, albedo 1", of({.albedo = 1, .lamp = 3})).frames = 300;
+    put("frames", "300, albedo 1", of({.albedo = 1, .lamp = 3, .open = full_.open, .sky = full_.sky})).frames = 300;
   }
 
   /// Σ weight · picture = 0.
@@ -312,10 +331,11 @@ class Cases {
   }
 
   void laws() {
-    const Room plain{};
+    const Room plain{.open = full_.open, .sky = full_.sky};
     for (const double factor : {1e-8, 1e-4, 2., 1e4, 1e8}) {
       Room bright = plain;
       bright.intensity = static_cast<float>(plain.intensity * factor);
+      bright.sky = static_cast<float>(plain.sky * factor);
       law(
           "light ×k = picture ×k", fmt::format("{:g}", factor), 1e-3,
           [=] { return pair(bright, 1 / factor, plain, -1); }, std::abs(std::log10(factor)) > 5);
@@ -346,6 +366,7 @@ class Cases {
     law("A + B = A plus B", "a lamp and a light", bounds_.sum, [=] {
       Room lamp = plain, light = plain, both = plain;
       lamp.lights = 0;
+      lamp.sky = 0;
       lamp.lamp = both.lamp = 3;
       light.lamp = 0;  // the square is there, dark
       std::vector<StressPart> parts = pair(both, 1, lamp, -1);
@@ -392,6 +413,7 @@ class Cases {
 
   const Registry& registry_;
   std::string pipeline_;
+  Room full_;
   std::vector<graph::Override> base_;
   Bounds bounds_;
   std::vector<Length> lengths_;
@@ -403,10 +425,10 @@ class Cases {
 /// Few pipelines that have every type of pass between them, with their types: whatever brings most that is new.
 std::map<std::string, std::set<std::string>> representatives(const std::vector<std::string>& pipelines,
                                                              const Registry& registry) {
-  const SceneFacts facts = scene::compute_facts(make_room(full).scene);
   std::map<std::string, std::set<std::string>> types, chosen;
   for (const std::string& pipeline : pipelines) {
-    const graph::CompileResult compiled = graph::compile_file(pipeline, registry, facts);
+    Room room;
+    const graph::CompileResult compiled = compile_for_its_room(pipeline, registry, room);
     if (!compiled.graph) continue;
     for (const graph::CompiledPass& pass : compiled.graph->passes) {
       if (pass.runs) types[pipeline].insert(pass.type);

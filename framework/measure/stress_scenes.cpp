@@ -66,13 +66,13 @@ class Builder {
   }
 
   /// Six faces; towards the inside where `inward`. What stands on a floor needs no bottom: which of two surfaces in one
-  /// place a ray meets, the last bit of its length decides.
-  void box(glm::vec3 low, glm::vec3 high, int material, bool inward = false, bool bottom = true) {
+  /// place a ray meets, the last bit of its length decides. `front`: the face towards +z.
+  void box(glm::vec3 low, glm::vec3 high, int material, bool inward = false, bool bottom = true, bool front = true) {
     for (int axis = 0; axis < 3; ++axis) {
       const int i = (axis + 1) % 3;
       const int j = (axis + 2) % 3;
       for (const bool upper : {false, true}) {
-        if (axis == 1 && !upper && !bottom) continue;
+        if ((axis == 1 && !upper && !bottom) || (axis == 2 && upper && !front)) continue;
         glm::vec3 a = low;
         a[axis] = upper ? high[axis] : low[axis];
         glm::vec3 b = a;
@@ -172,7 +172,8 @@ View make_room(const Room& room) {
   Builder builder(room);
   const int walls = builder.material(glm::vec3(room.albedo));
   const int tinted = builder.material(room.albedo * glm::vec3(1, .4f, .2f));
-  builder.box(room_low, room_high, walls, true);
+  builder.box(room_low, room_high, walls, true, true, !room.open);
+  builder.scene().sky = glm::vec3(room.sky);
   builder.box({-1.3f, 0, -1.2f}, {-.4f, 1.1f, -.3f}, tinted, false, false);
   if (room.divider > 0) {
     const auto half = static_cast<float>(.5 * room.divider);

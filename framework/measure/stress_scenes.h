@@ -21,6 +21,8 @@ struct Room {
   float intensity = 3;        ///< W/sr, of each
   double light_step = 0;      ///< metres along x
   float lamp = -1;            ///< exitant radiance of a square in the ceiling, W/(m² sr); below 0 = there is no square
+  bool open = false;          ///< without the wall behind the camera
+  float sky = 0;              ///< radiance, W/(m² sr)
   double divider = 0;         ///< thickness in metres of a wall across the middle; 0 = there is none
   bool orthographic = false;  /// camera
 };

@@ -88,7 +88,7 @@ void Integrator::start(const interop::Camera& camera, glm::ivec2 pixel, std::uin
     Path& path = paths_[at(i)];
     Sample& s = samples_[at(i)];
     if (rays16_.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
-      s.radiance = lights_.sky();
+      s.radiance = lights_.sky(path.direction);
       alive_[at(i)] = 0;
       continue;
     }
@@ -158,7 +158,7 @@ void Integrator::follow(int vertex, bool last) {
     const SurfacePoint from = path.at;
     const bool sky = rays16_.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID;
     if (!sky) path.at = geometry_.surface(hit(i), path.direction);
-    const glm::vec3 radiance = sky ? lights_.sky() : path.at.emission;
+    const glm::vec3 radiance = sky ? lights_.sky(path.direction) : path.at.emission;
     if (options_.strategy != Strategy::light && radiance != glm::vec3(0)) {
       float share = 1;
       if (options_.strategy == Strategy::mis) {

@@ -62,7 +62,7 @@ glm::vec3 sample_cosine(const glm::vec3& normal, glm::vec2 u) {
 }
 
 Lights::Lights(const scene::Scene& scene, EmbreeScene& geometry, const glm::dvec3& origin)
-    : geometry_(geometry), sky_(scene.sky) {
+    : geometry_(geometry), sky_(scene) {
   for (const auto& light : scene.lights) {
     if (largest(light.intensity) <= 0) continue;
     const double cos_outer = std::cos(light.outer_rad);
@@ -74,7 +74,7 @@ Lights::Lights(const scene::Scene& scene, EmbreeScene& geometry, const glm::dvec
   for (std::size_t i = 0; i < geometry.geometries().size(); ++i) {
     add_emitters(geometry.geometries()[i], static_cast<std::uint32_t>(i));
   }
-  choose_by_power();
+  choose_by_power(largest(scene.sky) > 0);
 }
 
 void Lights::add_emitters(Geometry& geometry, std::uint32_t index) {
@@ -105,10 +105,10 @@ void Lights::add_emitters(Geometry& geometry, std::uint32_t index) {
   }
 }
 
-void Lights::choose_by_power() {
+void Lights::choose_by_power(bool sky) {
   double total = 0;
   for (const auto& emitter : emitters_) total += emitter.probability;
-  if (largest(sky_) > 0) sky_share_ = total > 0 ? most_sky : 1;
+  if (sky) sky_share_ = total > 0 ? most_sky : 1;
   if (total <= 0) return;
   double sum = 0;
   for (auto& emitter : emitters_) {
@@ -168,10 +168,10 @@ LightSample Lights::sample_emitter(const SurfacePoint& at, glm::vec2 u) const {
   LightSample s;
   if (u.x < sky_share_) {
     u.x /= sky_share_;
-    s.direction = sample_cosine(at.normal, u);
+    s.direction = sky_.directed() ? sky_.sample(u) : sample_cosine(at.normal, u);
     s.density = sky_density(at, s.direction);
     s.distance = std::numeric_limits<float>::infinity();
-    s.value = sky_;
+    s.value = sky_.radiance(s.direction);
     return s;
   }
   if (cumulative_.empty()) return s;
@@ -214,6 +214,9 @@ float Lights::density(const glm::vec3& from, const SurfacePoint& point, const gl
 }
 
 float Lights::sky_density(const SurfacePoint& from, const glm::vec3& direction) const {
+  // Light samples from below the surface are thrown away: what glass lets through finds the sky by itself.
+  const bool above = glm::dot(from.normal, direction) > 0 && glm::dot(from.geometric_normal, direction) > 0;
+  if (sky_.directed()) return above ? sky_share_ * sky_.density(direction) : 0;
   return sky_share_ * std::max(0.F, glm::dot(from.normal, direction)) / pi;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What emits: punctual lights, emissive triangles chosen by power, the constant sky.
+// What emits: punctual lights, emissive triangles chosen by power, the sky.
 #include <cstddef>
 #include <vector>
 
@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "reference/embree_scene.h"
+#include "reference/sky_sampler.h"
 #include "scene/scene.h"
 
 namespace loom::reference {
@@ -32,11 +33,11 @@ class Lights {
 
   [[nodiscard]] bool has_punctual() const { return !punctual_.empty(); }
   [[nodiscard]] bool has_emitters() const { return sky_share_ > 0 || !cumulative_.empty(); }
-  [[nodiscard]] const glm::vec3& sky() const { return sky_; }
+  [[nodiscard]] glm::vec3 sky(const glm::vec3& direction) const { return sky_.radiance(direction); }
 
   /// One punctual light, chosen by the irradiance it would bring to `at` unblocked.
   [[nodiscard]] LightSample sample_punctual(const SurfacePoint& at, float u) const;
-  /// A point of an emissive triangle, by power and area, or a direction of the sky, by cosine.
+  /// A point of an emissive triangle, by power and area, or a direction of the sky, by cosine or by the sky's radiance.
   [[nodiscard]] LightSample sample_emitter(const SurfacePoint& at, glm::vec2 u) const;
   /// The density, per solid angle at `from`, with which sample_emitter() finds `point`, seen along `direction`.
   [[nodiscard]] float density(const glm::vec3& from, const SurfacePoint& point, const glm::vec3& direction) const;
@@ -57,13 +58,13 @@ class Lights {
   [[nodiscard]] static glm::vec3 irradiance(const Punctual& light, const SurfacePoint& at, glm::vec3& direction,
                                             float& distance);
   void add_emitters(Geometry& geometry, std::uint32_t index);
-  void choose_by_power();
+  void choose_by_power(bool sky);
 
   const EmbreeScene& geometry_;
   std::vector<Punctual> punctual_;
   std::vector<Emitter> emitters_;
   std::vector<float> cumulative_;  ///< of the emitters' power, 0 … 1; empty where nothing emits
-  glm::vec3 sky_{0};
+  SkySampler sky_;
   float sky_share_ = 0;  ///< probability that sample_emitter() looks at the sky
 };
 

@@ -35,7 +35,7 @@ glm::vec3 turned(const glm::vec3& local, const glm::vec3& axis) {
 }  // namespace
 
 PhotonSources::PhotonSources(const scene::Scene& scene, const EmbreeScene& geometry, const glm::dvec3& origin)
-    : geometry_(geometry) {
+    : geometry_(geometry), sky_(scene) {
   low_ = glm::vec3(std::numeric_limits<float>::max());
   high_ = -low_;
   const auto count = static_cast<std::uint32_t>(geometry.geometries().size());
@@ -104,7 +104,8 @@ EmittedPhoton PhotonSources::sample(const PathSampler& sampler) const {
   if (source.kind == Kind::directional) {
     enter(photon, source.direction, u, source.intensity);
   } else if (source.kind == Kind::sky) {
-    enter(photon, on_sphere(u, -1), v, source.intensity * (4 * pi));
+    const glm::vec3 direction = on_sphere(u, -1);
+    enter(photon, direction, v, sky_.radiance(-direction) * (4 * pi));
   } else if (source.kind == Kind::triangle) {
     const Geometry& g = geometry_.geometries()[source.triangle.geometry];
     TrianglePoint at = source.triangle;

@@ -7,6 +7,7 @@
 
 #include "reference/embree_scene.h"
 #include "reference/sampler.h"
+#include "reference/sky_sampler.h"
 #include "scene/scene.h"
 
 namespace loom::reference {
@@ -45,6 +46,7 @@ class PhotonSources {
   void enter(EmittedPhoton& photon, const glm::vec3& direction, glm::vec2 u, const glm::vec3& flux_density) const;
 
   const EmbreeScene& geometry_;
+  SkySampler sky_;
   std::vector<Source> sources_;
   std::vector<double> cumulative_;  ///< of the power, 0 … 1
   glm::vec3 low_{0}, high_{0};

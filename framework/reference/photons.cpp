@@ -277,8 +277,8 @@ std::uint64_t PhotonMapper::State::gather_row(Film& film, const interop::Camera&
     packet.trace(geometry, valid.data(), true);
     for (int i = 0; i < count; ++i) {
       Sample& sample = samples[at(i)];
-      sample.radiance = lights.sky();
       EyePath& path = paths[at(i)];
+      sample.radiance = lights.sky(path.direction);
       valid[at(i)] = 0;
       if (!packet.hit(i)) continue;
       path.at = geometry.surface(packet.point(i), path.direction);

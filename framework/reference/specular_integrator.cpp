@@ -71,7 +71,7 @@ void SpecularIntegrator::start(const interop::Camera& camera, glm::ivec2 pixel, 
     Path& path = seen_[at(i)];
     Sample& s = samples_[at(i)];
     if (!rays16_.hit(i)) {
-      s.radiance = lights_.sky();
+      s.radiance = lights_.sky(path.direction);
       hit_[at(i)] = 0;
       continue;
     }
@@ -198,7 +198,7 @@ void SpecularIntegrator::follow(int vertex, bool last) {
     const SurfacePoint from = path.at;
     const bool sky = !rays16_.hit(i);
     if (!sky) path.at = geometry_.surface(rays16_.point(i), path.direction);
-    const glm::vec3 radiance = sky ? lights_.sky() : path.at.emission;
+    const glm::vec3 radiance = sky ? lights_.sky(path.direction) : path.at.emission;
     const bool findable = path.density > 0;
     if (radiance != glm::vec3(0) && (options_.strategy != Strategy::light || !findable)) {
       float share = 1;

@@ -8,6 +8,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "scene/sky.h"
+
 namespace loom::scene {
 namespace {
 
@@ -152,6 +154,12 @@ std::uint64_t content_hash(const Scene& scene) {
   for (const Light& light : scene.lights) add(hash, light);
   for (const Camera& camera : scene.cameras) add(hash, camera);
   hash.value(scene.sky);
+  if (scene.sky_image) {
+    hash.value(scene.sky_image->width);
+    hash.value(scene.sky_image->height);
+    hash.value(scene.sky_image->rotation_rad);
+    hash.values(scene.sky_image->radiance);
+  }
   if (scene.surfaces == SurfaceModel::lambert) return hash.result();  // nothing below is looked at then
   hash.value(scene.surfaces);
   for (const Material& material : scene.materials) {

@@ -17,6 +17,7 @@
 #include "scene/emitters.h"
 #include "scene/load.h"
 #include "scene/motion.h"
+#include "scene/sky.h"
 
 namespace loom::scene {
 namespace {
@@ -167,7 +168,13 @@ SceneFacts compute_facts(const Scene& scene) {
   count_lights(scene, facts);
   facts.sky = scene.sky != glm::vec3(0);
   facts.ggx = scene.surfaces == SurfaceModel::ggx;
+  facts.sky_image = facts.sky && scene.sky_image;
+  facts.sky_bands = sky_bands(scene);
   facts.max_chroma = std::max(facts.max_chroma, chroma(glm::dvec3(scene.sky)));
+  if (scene.sky_image) {
+    for (const glm::vec3& radiance : scene.sky_image->radiance)
+      facts.max_chroma = std::max(facts.max_chroma, chroma(glm::dvec3(radiance)));
+  }
   const std::vector<MaterialReach> reaches = material_reaches(scene);
   std::vector<bool> used(scene.materials.size(), false);
   const std::vector<bool> moves = moving_instances(scene);

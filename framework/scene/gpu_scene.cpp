@@ -28,9 +28,11 @@
 #include "scene/bvh.h"
 #include "scene/emitters.h"
 #include "scene/gpu_materials.h"
+#include "scene/gpu_sky.h"
 #include "scene/gpu_textures.h"
 #include "scene/load.h"
 #include "scene/packed.h"
+#include "scene/sky.h"
 
 namespace loom::scene {
 namespace {
@@ -244,6 +246,10 @@ class GpuSceneImpl final : public GpuScene {
   [[nodiscard]] const SceneFacts& facts() const override { return facts_; }
   [[nodiscard]] std::span<const interop::Light> lights() const override { return light_records_; }
   [[nodiscard]] glm::vec3 sky_radiance() const override { return scene_.sky; }
+  [[nodiscard]] double sky_rotation() const override { return scene_.sky_image ? scene_.sky_image->rotation_rad : 0; }
+  [[nodiscard]] std::vector<glm::dvec3> sky_harmonics(int order) const override {
+    return scene::sky_harmonics(scene_, order);
+  }
   [[nodiscard]] std::uint64_t geometry_version() const override { return geometry_version_; }
   [[nodiscard]] std::uint64_t lights_version() const override { return lights_version_; }
   [[nodiscard]] const Scene* cpu_scene() const override { return &scene_; }
@@ -266,6 +272,7 @@ class GpuSceneImpl final : public GpuScene {
   }
 
   [[nodiscard]] const Texture* texture(std::string_view sampler) const override {
+    if (sampler == "scene_sky") return sky_texture_ ? &*sky_texture_ : nullptr;
     return sampler == "scene_alpha" && alpha_ ? &*alpha_ : nullptr;
   }
 
@@ -276,10 +283,12 @@ class GpuSceneImpl final : public GpuScene {
 
   void update_lights() {
     std::vector<interop::Light> records = light_records(scene_);
-    const bool same = same_bytes(records, light_records_) && sky_ == scene_.sky;
+    const bool same = same_bytes(records, light_records_) && sky_ == scene_.sky && sky_image_ == scene_.sky_image;
     if (same && lights_version_ > 0) return;
     ++lights_version_;
     sky_ = scene_.sky;
+    if (sky_image_ != scene_.sky_image) sky_texture_ = make_sky_texture(scene_);
+    sky_image_ = scene_.sky_image;
     light_records_ = std::move(records);
     lights_ = storage_of(light_records_, "scene_lights");
   }
@@ -319,6 +328,8 @@ class GpuSceneImpl final : public GpuScene {
   std::vector<interop::Light> light_records_;
   std::optional<Buffer> lights_;
   glm::vec3 sky_{0};
+  std::shared_ptr<const SkyImage> sky_image_;
+  std::optional<Texture> sky_texture_;
   std::uint64_t geometry_version_ = 1, still_version_ = 1, lights_version_ = 0;
   mutable bool has_mean_albedo_ = false;
   mutable std::optional<std::optional<Buffer>> emitters_;  ///< outer: built; inner: there are any

@@ -19,6 +19,7 @@
 #include "scene/gltf/load_gltf.h"
 #include "scene/load.h"
 #include "scene/run_file.h"
+#include "scene/sky.h"
 
 namespace loom::scene {
 namespace {
@@ -154,7 +155,7 @@ Setup load_setup(const std::string& path, const std::string& camera, Diagnostics
   setup.pipeline = run.pipeline;
   setup.set = std::move(run.set);
   if (run.lights) replace_lights(setup.scene, std::move(*run.lights));
-  if (run.sky) setup.scene.sky = *run.sky;
+  if (run.sky) apply_sky(setup.scene, *run.sky, diagnostics);
   recentre(setup.scene);
   if (run.camera) {
     if (Camera* own = std::get_if<Camera>(&run.camera->camera)) {

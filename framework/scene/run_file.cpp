@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/load.h"
+#include "scene/run_reader.h"
 
 namespace loom::scene {
 namespace {
@@ -20,91 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 using json::Kind;
 using json::Node;
+using run::Reader;
+using run::with_place;
 
 constexpr int max_size = 16384;  // pixels a side, what OpenGL 4.5 guarantees
-
-std::string with_place(std::string_view what, const Node& node) {
-  return std::string(what) + ", but this is " + std::string(json::to_string(node.kind));
-}
-
-/// Reads one value after the other and keeps every complaint.
-class Reader {
- public:
-  explicit Reader(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
-
-  void error(const Node& node, std::string code, std::string message, std::string hint = {}) {
-    diagnostics_.error(std::move(code), std::move(message), node.where, std::move(hint));
-  }
-
-  /// False where `node` is no object; complains of keys that are not among `keys`.
-  bool object(const Node& node, std::string_view what, const std::vector<std::string>& keys) {
-    if (!node.is(Kind::object)) {
-      error(node, "run-type", with_place(std::string(what) + " must be an object", node));
-      return false;
-    }
-    for (const json::Member& member : node.members) {
-      if (std::find(keys.begin(), keys.end(), member.key) != keys.end()) continue;
-      std::string hint = "it may have ";
-      for (std::size_t i = 0; i < keys.size(); ++i) hint += (i == 0 ? "" : ", ") + keys[i];
-      const std::string nearest = nearest_name(member.key, keys);
-      if (!nearest.empty()) hint = "did you mean \"" + nearest + "\"?";
-      diagnostics_.error("unknown-key", std::string(what) + " has no key \"" + member.key + "\"", member.key_where,
-                         hint);
-    }
-    return true;
-  }
-
-  std::optional<double> number(const Node* node, std::string_view what, double min, double max) {
-    if (node == nullptr) return std::nullopt;
-    if (!node->is_number()) {
-      error(*node, "run-type", with_place(std::string(what) + " must be a number", *node));
-      return std::nullopt;
-    }
-    if (!std::isfinite(node->number) || node->number < min || node->number > max) {
-      error(*node, "run-range", std::string(what) + range_text(min, max));
-      return std::nullopt;
-    }
-    return node->number;
-  }
-
-  std::optional<glm::dvec3> vector(const Node* node, std::string_view what,
-                                   double min = std::numeric_limits<double>::lowest()) {
-    if (node == nullptr) return std::nullopt;
-    if (!node->is(Kind::array) || node->items.size() != 3) {
-      error(*node, "run-type", std::string(what) + " must be an array of three numbers");
-      return std::nullopt;
-    }
-    glm::dvec3 result{0};
-    for (int i = 0; i < 3; ++i) {
-      const std::optional<double> value =
-          number(&node->items[static_cast<std::size_t>(i)], what, min, std::numeric_limits<double>::max());
-      if (!value) return std::nullopt;
-      result[i] = *value;
-    }
-    return result;
-  }
-
-  std::string text(const Node* node, std::string_view what) {
-    if (node == nullptr) return {};
-    if (!node->is(Kind::string)) {
-      error(*node, "run-type", with_place(std::string(what) + " must be a string", *node));
-      return {};
-    }
-    return node->string;
-  }
-
- private:
-  static std::string range_text(double min, double max) {
-    std::ostringstream text;
-    if (max >= std::numeric_limits<float>::max()) {
-      text << " must be finite and at least " << min;
-    } else {
-      text << " must lie within " << min << " and " << max;
-    }
-    return text.str();
-  }
-  Diagnostics& diagnostics_;
-};
 
 /// A path with ${LOOM_SCENES} replaced, relative to the folder of the run file.
 std::string read_path(Reader& reader, const Node* node, std::string_view what, const fs::path& folder) {
@@ -235,6 +155,59 @@ std::optional<std::vector<Light>> read_lights(Reader& reader, const Node* node) 
   return lights;
 }
 
+/// The sun by its direction, or by its height and its azimuth from −Z towards +X.
+glm::dvec3 read_sun(Reader& reader, const Node& node) {
+  const Node* direction = node.find("sun_direction");
+  if (direction != nullptr) {
+    for (const char* other : {"sun_elevation_deg", "sun_azimuth_deg"}) {
+      if (const Node* both = node.find(other))
+        reader.error(*both, "run-range", std::string("sun_direction and ") + other + " exclude each other");
+    }
+    const glm::dvec3 sun = reader.vector(direction, "sun_direction").value_or(glm::dvec3(0, 1, 0));
+    if (glm::length(sun) > 0 && sun.y >= 0) return glm::normalize(sun);
+    reader.error(*direction, "run-range", "sun_direction, towards the sun, must have a length and not point down");
+    return {0, 1, 0};
+  }
+  if (node.find("sun_elevation_deg") == nullptr)
+    reader.error(node, "missing-key", "a clear sky needs a \"sun_elevation_deg\" or a \"sun_direction\"");
+  const double height =
+      glm::radians(reader.number(node.find("sun_elevation_deg"), "sun_elevation_deg", 0, 90).value_or(90));
+  const double azimuth =
+      glm::radians(reader.number(node.find("sun_azimuth_deg"), "sun_azimuth_deg", -360, 360).value_or(0));
+  return {std::sin(azimuth) * std::cos(height), std::sin(height), -std::cos(azimuth) * std::cos(height)};
+}
+
+std::optional<SkyChoice> read_sky_choice(Reader& reader, const Node& node, const fs::path& folder) {
+  const Node *image = node.find("image"), *model = node.find("model");
+  std::vector<std::string> keys{"radiance", "image", "model"};
+  if (image != nullptr) keys = {"image", "scale", "rotation_deg"};
+  if (model != nullptr)
+    keys = {"model", "scale", "rotation_deg", "sun_elevation_deg", "sun_azimuth_deg", "sun_direction", "turbidity"};
+  if (image == nullptr && model == nullptr && node.find("radiance") != nullptr) keys = {"radiance"};
+  if (!reader.object(node, "sky", keys)) return std::nullopt;
+  SkyChoice sky;
+  sky.where = node.where;
+  if (image == nullptr && model == nullptr) {
+    const std::optional<glm::dvec3> radiance = reader.vector(node.find("radiance"), "radiance", 0);
+    if (!radiance) return std::nullopt;
+    sky.radiance = glm::vec3(*radiance);
+    return sky;
+  }
+  sky.scale = reader.number(node.find("scale"), "scale", 0, std::numeric_limits<float>::max()).value_or(1);
+  sky.rotation_deg = reader.number(node.find("rotation_deg"), "rotation_deg", -360, 360).value_or(0);
+  if (model == nullptr) {
+    sky.where = image->where;
+    sky.image = read_path(reader, image, "image", folder);
+    return sky;
+  }
+  if (const std::string name = reader.text(model, "model"); name != "clear" && model->is(Kind::string))
+    reader.error(*model, "unknown-sky", "there is no sky of model \"" + name + "\"", "it may be clear");
+  sky.clear = true;
+  sky.sun = read_sun(reader, node);
+  sky.turbidity = reader.number(node.find("turbidity"), "turbidity", 2, 10).value_or(sky.turbidity);
+  return sky;
+}
+
 std::optional<glm::ivec2> read_size(Reader& reader, const Node* node) {
   if (node == nullptr) return std::nullopt;
   if (!node->is(Kind::array) || node->items.size() != 2 || !node->items[0].is(Kind::integer) ||
@@ -335,10 +308,7 @@ RunFile read_run_file(const std::string& path) {
     if (!run.pipeline.empty() && !fs::exists(run.pipeline, ignored)) run.pipeline = root.find("pipeline")->string;
     run.camera = read_camera_choice(reader, root.find("camera"));
     run.lights = read_lights(reader, root.find("lights"));
-    if (const json::Node* sky = root.find("sky"); sky != nullptr && reader.object(*sky, "sky", {"radiance"})) {
-      if (const std::optional<glm::dvec3> radiance = reader.vector(sky->find("radiance"), "radiance", 0))
-        run.sky = glm::vec3(*radiance);
-    }
+    if (const json::Node* sky = root.find("sky")) run.sky = read_sky_choice(reader, *sky, folder);
     run.surfaces = read_surfaces(reader, root.find("surfaces"));
     run.size = read_size(reader, root.find("size"));
     run.set = read_set(reader, root.find("set"));

@@ -13,6 +13,7 @@
 #include "loom/diagnostic.h"
 #include "loom/json.h"
 #include "scene/scene.h"
+#include "scene/sky.h"
 
 namespace loom::scene {
 
@@ -27,7 +28,7 @@ struct RunFile {
   std::string pipeline;  ///< empty where not given
   std::optional<CameraChoice> camera;
   std::optional<std::vector<Light>> lights;
-  std::optional<glm::vec3> sky;
+  std::optional<SkyChoice> sky;
   SurfaceModel surfaces = SurfaceModel::lambert;
   std::optional<glm::ivec2> size;
   std::vector<std::pair<std::string, std::string>> set;

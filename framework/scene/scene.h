@@ -16,6 +16,8 @@
 
 namespace loom::scene {
 
+struct SkyImage;
+
 /// RGBA, 8 bits a channel, row 0 at the top, as stored in the file (sRGB or linear is the user's to know).
 struct Image {
   std::string name;
@@ -157,9 +159,10 @@ struct Scene {
   std::vector<Skin> skins;
   std::vector<Animation> animations;
   std::vector<Instance> instances;
-  std::vector<Light> lights;    ///< world space, in order of appearance
-  std::vector<Camera> cameras;  ///< world space
-  glm::vec3 sky{0};             ///< constant radiance, W/(m² sr)
+  std::vector<Light> lights;                  ///< world space, in order of appearance
+  std::vector<Camera> cameras;                ///< world space
+  glm::vec3 sky{0};                           ///< constant radiance, W/(m² sr); the image's mean where there is one
+  std::shared_ptr<const SkyImage> sky_image;  ///< set_sky(); none: the sky is constant
   SurfaceModel surfaces = SurfaceModel::lambert;
   std::uint64_t content_hash = 0;  ///< of everything above
 };

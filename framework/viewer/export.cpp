@@ -59,11 +59,11 @@ std::string camera_json(const scene::Camera& camera, const glm::dvec3& origin) {
   return camera_object(camera, origin).dump();
 }
 
-std::string run_file_text(const std::string& scene, const std::vector<scene::Light>& lights, const glm::vec3& sky,
+std::string run_file_text(const std::string& scene, const std::vector<scene::Light>& lights, const std::string& sky,
                           const scene::Camera& camera, const glm::dvec3& origin) {
   Json root{{"scene", scene},
             {"camera", camera_object(camera, origin)},
-            {"sky", {{"radiance", vector(glm::dvec3(sky))}}},
+            {"sky", Json::parse(sky)},
             {"lights", Json::array()}};
   for (const scene::Light& light : lights) root["lights"].push_back(light_object(light, origin));
   return text_of(root);

@@ -15,8 +15,8 @@ namespace loom::viewer {
 std::string pipeline_text(const std::string& name, const std::string& base, const Settings& set);
 /// --camera: JSON of a perspective view. `origin`: Scene::origin; text speaks in the file's own coordinates.
 std::string camera_json(const scene::Camera& camera, const glm::dvec3& origin);
-/// A run file with these lights instead of the scene's own.
-std::string run_file_text(const std::string& scene, const std::vector<scene::Light>& lights, const glm::vec3& sky,
+/// A run file with these lights instead of the scene's own, and a sky as scene::sky_json() has it.
+std::string run_file_text(const std::string& scene, const std::vector<scene::Light>& lights, const std::string& sky,
                           const scene::Camera& camera, const glm::dvec3& origin);
 
 struct RenderCommand {

@@ -8,6 +8,7 @@
 
 #include "core/image_io.h"
 #include "measure/picture.h"
+#include "scene/sky.h"
 #include "viewer/export.h"
 #include "viewer/model.h"
 #include "viewer/user_state.h"
@@ -57,8 +58,8 @@ bool Model::save_pipeline(const std::string& path) {
 }
 
 std::string Model::write_run_file() const {
-  const std::string text = run_file_text(fs::absolute(setup_->scene.path).string(), edits_.lights, setup_->scene.sky,
-                                         camera(), setup_->scene.origin);
+  const std::string text = run_file_text(fs::absolute(setup_->scene.path).string(), edits_.lights,
+                                         scene::sky_json(setup_->scene), camera(), setup_->scene.origin);
   const fs::path path =
       fs::path(made_state_dir()) / ("view-" + std::to_string(std::hash<std::string>{}(text)) + ".json");
   write_file_atomic(path.string(), std::as_bytes(std::span(text)));

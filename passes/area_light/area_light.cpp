@@ -1,4 +1,4 @@
-// AreaLight: irradiance straight from emissive triangles and the constant sky, the `emitter` part of indirect light,
+// AreaLight: irradiance straight from emissive triangles and the sky, the `emitter` part of indirect light,
 //
 //   E(x) = Σ_triangles L ∫ V ⟨n,ω⟩₊ dω + L_sky ∫ V ⟨n,ω⟩₊ dω.
 //

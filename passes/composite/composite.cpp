@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "loom/plugin.h"
 #include "loom/rules.h"
@@ -44,7 +46,8 @@ class Composite final : public Pass {
             .indirect = !indirect.absent(),
             .specular = !specular.absent(),
             .coat = facts.specular && surface.texture("specular") != nullptr,
-            .sky = all};
+            .sky = all,
+            .sky_image = facts.sky_image};
     // The sky is the scene's.
     const int channels =
         std::max(rules::channels({surface, direct, indirect, specular}), rules::channels(ports, facts));
@@ -56,13 +59,14 @@ class Composite final : public Pass {
 
   void prepare(Device& device, const Bindings&) override {
     const auto flag = [](bool on) { return on ? "1" : "0"; };
-    program_ = device.program({.files = {"composite/composite.comp"},
-                               .defines = {{"EMISSION", flag(lit_.emission)},
-                                           {"DIRECT", flag(lit_.direct)},
-                                           {"INDIRECT", flag(lit_.indirect)},
-                                           {"SPECULAR", flag(lit_.specular)},
-                                           {"COAT", flag(lit_.coat)},
-                                           {"SKY", flag(lit_.sky)}}});
+    std::vector<Define> defines{{"EMISSION", flag(lit_.emission)},
+                                {"DIRECT", flag(lit_.direct)},
+                                {"INDIRECT", flag(lit_.indirect)},
+                                {"SPECULAR", flag(lit_.specular)},
+                                {"COAT", flag(lit_.coat)},
+                                {"SKY", flag(lit_.sky)},
+                                {"SCENE_SKY_IMAGE", flag(lit_.sky_image)}};
+    program_ = device.program({.files = {"composite/composite.comp"}, .defines = std::move(defines)});
   }
 
   void execute(Frame& frame, const Bindings& bindings) override {
@@ -72,6 +76,7 @@ class Composite final : public Pass {
  private:
   struct Lit {
     bool emission = false, direct = false, indirect = false, specular = false, coat = false, sky = false;
+    bool sky_image = false;
   } lit_;
   std::string parts_ = "all";
   std::shared_ptr<const Program> program_;

@@ -38,10 +38,4 @@ inline loom::interop::ProbeGrid fit_lattice(const loom::rules::Bounds& box, cons
   return grid;
 }
 
-/// By an angle, radians, from +z towards +x.
-inline glm::dvec3 turned_about_y(const glm::dvec3& w, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {c * w.x + s * w.z, w.y, c * w.z - s * w.x};
-}
-
 }  // namespace prt

@@ -11,7 +11,7 @@
 // its light, costs this product and no new path.
 //
 // VisibilityField keeps the straight part alone: `openness` holds V(ω), the visibility of the sky, as harmonics (V_i =
-// M_i0·√4π), and `sky` = L·V of the constant sky: E = L ∫ V⟨n,ω⟩₊ dω.
+// M_i0·√4π), and `sky` what of the sky arrives.
 //
 // Transfer depends on the geometry alone: it is made once, where nothing moves, and kept in the user's cache by the
 // scene's content hash and everything that it was made with.
@@ -33,12 +33,12 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "harmonics.h"
 #include "interop/light.h"
 #include "interop/probes.h"
 #include "lattice.h"
 #include "loom/cache.h"
 #include "loom/fingerprint.h"
+#include "loom/harmonics.h"
 #include "loom/plugin.h"
 #include "loom/rules.h"
 
@@ -259,19 +259,32 @@ class Transfer : public Pass {
     }
   }
 
+  /// Of the scene's sky, projected once: turning it is turning these.
+  const std::vector<glm::dvec3>& sky_harmonics(const SceneView& scene) {
+    if (sky_.size() != static_cast<std::size_t>(coefficients_) || sky_version_ != scene.lights_version()) {
+      sky_ = scene.sky_harmonics(order_);
+      sky_version_ = scene.lights_version();
+    }
+    return sky_;
+  }
+
   /// Harmonics of what the two outputs take of the environment, one behind the other.
-  [[nodiscard]] std::vector<glm::vec4> environments(const SceneView& scene) const {
+  [[nodiscard]] std::vector<glm::vec4> environments(const SceneView& scene) {
     const auto n = static_cast<std::size_t>(coefficients_);
     std::vector<glm::vec4> both(2 * n, glm::vec4(0));
-    const glm::vec3 constant = static_cast<float>(std::sqrt(4 * pi)) * scene.sky_radiance();
-    both[0] = glm::vec4(constant, 0);
-    both[n] = reflects_ ? both[0] : glm::vec4(static_cast<float>(std::sqrt(4 * pi)));
-    if (!reflects_) return both;
+    const double angle = rotation_ * pi / 180;
+    const std::vector<glm::dvec3> sky = turned_about_y(sky_harmonics(scene), angle);
+    for (std::size_t i = 0; i < n; ++i) both[i] = glm::vec4(glm::vec3(sky[i]), 0);
+    if (!reflects_) {
+      both[n] = glm::vec4(static_cast<float>(std::sqrt(4 * pi)));
+      return both;
+    }
+    std::copy_n(both.begin(), n, both.begin() + static_cast<std::ptrdiff_t>(n));
     for (const interop::Light& light : scene.lights()) {
       if (static_cast<int>(light.position.w) != LIGHT_DIRECTIONAL) continue;
-      const auto y = prt::harmonics(prt::turned_about_y(-glm::dvec3(light.direction), rotation_ * pi / 180));
+      const auto y = harmonics(turned_about_y(-glm::dvec3(light.direction), angle), order_);
       for (std::size_t i = 0; i < n; ++i) {
-        const glm::vec4 part(static_cast<float>(y.at(i)) * glm::vec3(light.intensity), 0);
+        const glm::vec4 part(static_cast<float>(y[i]) * glm::vec3(light.intensity), 0);
         if (distant_) both[i] += part;
         both[n + i] += part;
       }
@@ -288,6 +301,8 @@ class Transfer : public Pass {
   SceneFacts facts_;
   std::vector<std::byte> kept_;  ///< the transfer of kept_key_: a function of the scene, not a state
   std::uint64_t kept_key_ = 0;
+  std::vector<glm::dvec3> sky_;  ///< harmonics at sky_version_, a function of the scene too
+  std::uint64_t sky_version_ = 0;
   std::shared_ptr<const Program> trace_, project_, apply_straight_, apply_second_;
 };
 

@@ -80,6 +80,7 @@ class RayMarch final : public Pass {
     auto readers = ports.in("readers", "Surface").optional().reads("depth").reads("normal");
     auto irradiance = ports.out("irradiance", "Irradiance").attribute("quantity", "irradiance");
     auto volume = ports.out("volume", "ShVolume").attribute("bands", 2).attribute("cascades", 1);
+    sky_image_ = facts.sky_image;
     has_light_ = light.texture("radiance") != nullptr;
     // With `emitter` rays that leave the scene bring the sky, which is the scene's own.
     channels_ = std::max(rules::channels({voxels, light}), emitter_ ? rules::channels(ports, facts) : 1);
@@ -126,13 +127,14 @@ class RayMarch final : public Pass {
   }
 
   void prepare(Device& device, const Bindings& bindings) override {
-    const std::vector<Define> defines{{"LIGHT", has_light_ ? "light_radiance" : "voxels_radiance"},
-                                      {"EMITTER", emitter_ ? "1" : "0"},
-                                      {"EMISSION", emission_ ? "1" : "0"},
-                                      {"AIMED", aimed_ > 0 ? "1" : "0"},
-                                      {"HALF", storage_ == "fp16" ? "1" : "0"},
-                                      {"SLEEPS", sleeps_ ? "1" : "0"},
-                                      {"CHANNELS", std::to_string(channels_)}};
+    std::vector<Define> defines{{"LIGHT", has_light_ ? "light_radiance" : "voxels_radiance"},
+                                {"EMITTER", emitter_ ? "1" : "0"},
+                                {"EMISSION", emission_ ? "1" : "0"},
+                                {"AIMED", aimed_ > 0 ? "1" : "0"},
+                                {"HALF", storage_ == "fp16" ? "1" : "0"},
+                                {"SLEEPS", sleeps_ ? "1" : "0"},
+                                {"CHANNELS", std::to_string(channels_)}};
+    if (emitter_ && sky_image_) defines.emplace_back("SCENE_SKY_IMAGE", "1");
     const auto program = [&](const char* file) { return device.program({.files = {file}, .defines = defines}); };
     base_ = reduce_ = draw_ = wake_ = volume_ = nullptr;
     pixels_ = bindings.has("irradiance.irradiance");
@@ -168,8 +170,10 @@ class RayMarch final : public Pass {
     }
   }
 
-  /// Geometry and lights come in over the wires; the rays depend on the seed alone.
-  [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override { return frame.info().seed; }
+  /// Geometry and lights come in over the wires, but for the sky; the rays depend on the seed alone.
+  [[nodiscard]] Fingerprint fingerprint(const Frame& frame) const override {
+    return emitter_ ? mix_in(frame.info().seed, frame.scene().lights_version()) : frame.info().seed;
+  }
 
  private:
   /// Finds the cells that a pixel reads. Those that sent their rays keep what came of it, until the rays, or what they
@@ -232,7 +236,7 @@ class RayMarch final : public Pass {
   int rays_ = 64, aimed_ = 0, cones_ = 32, probes_ = 8, channels_ = 3;
   int levels_ = 1, slabs_ = 1;  // of the pyramid
   int rounds_of_ray_ = 1;
-  bool emitter_ = false, emission_ = false, has_light_ = false, pixels_ = false, sleeps_ = false;
+  bool emitter_ = false, emission_ = false, sky_image_ = false, has_light_ = false, pixels_ = false, sleeps_ = false;
   std::optional<std::uint64_t> marched_;  ///< what the rays of cells that are awake depend on
   interop::Grid probe_grid_{};
   Resolution resolution_;

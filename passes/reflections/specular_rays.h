@@ -68,6 +68,7 @@ class SpecularRays : public Pass {
     light_ = light.texture("radiance") != nullptr ? "light_radiance" : straight ? "voxels_radiance" : "";
     voxels_ = !voxels.absent() && (emission_ || !light_.empty());
     transmission_ = surface.texture("transmission") != nullptr;
+    sky_image_ = facts.sky_image;
     // The sky, and F₀, are the scene's.
     const int channels = std::max(rules::channels({picture, voxels, light}), rules::channels(ports, facts));
     const auto image = TextureDesc::image(ports.frame_size(), Format::rgba32f);
@@ -93,6 +94,7 @@ class SpecularRays : public Pass {
                                    {"PARTS", flag(parts_ > 1)},
                                    {"RADIANCE", flag(bindings.has("radiance.image"))},
                                    {"ENDS", flag(bindings.has("ends.image"))}});
+    if (sky_image_) defines.emplace_back("SCENE_SKY_IMAGE", "1");
     if (!light_.empty()) defines.emplace_back("LIGHT", light_);
     program_ = device.program({.files = {file}, .defines = std::move(defines)});
   }
@@ -102,7 +104,7 @@ class SpecularRays : public Pass {
 
  private:
   int parts_ = 1;
-  bool picture_ = false, voxels_ = false, emission_ = false, transmission_ = false;
+  bool picture_ = false, voxels_ = false, emission_ = false, transmission_ = false, sky_image_ = false;
   std::string light_;  ///< sampler of what sheets reflect; empty where nothing lights them
   std::shared_ptr<const Program> program_;
 };

@@ -121,14 +121,15 @@ class Voxelize final : public Pass {
     still_sums_of_.reset();
     light_ = nullptr;
     if (bindings.has("voxels.radiance")) {
-      light_ = device.program({.files = {"voxelize/light.comp"},
-                               .defines = {{"GREY", grey_ ? "1" : "0"},
-                                           {"HALF", storage_ == "fp16" ? "1" : "0"},
-                                           {"LUMINANCE", achromatic_ ? "0" : "1"},
-                                           {"PUNCTUAL", facts_.lights() > 0 ? "1" : "0"},
-                                           {"SHADOW_MAPS", shadow_maps_ ? "1" : "0"},
-                                           {"EMITTERS", emits() ? "1" : "0"},
-                                           {"SKY", facts_.sky ? "1" : "0"}}});
+      std::vector<Define> defines{{"GREY", grey_ ? "1" : "0"},
+                                  {"HALF", storage_ == "fp16" ? "1" : "0"},
+                                  {"LUMINANCE", achromatic_ ? "0" : "1"},
+                                  {"PUNCTUAL", facts_.lights() > 0 ? "1" : "0"},
+                                  {"SHADOW_MAPS", shadow_maps_ ? "1" : "0"},
+                                  {"EMITTERS", emits() ? "1" : "0"},
+                                  {"SKY", facts_.sky ? "1" : "0"}};
+      if (facts_.sky_image) defines.emplace_back("SCENE_SKY_IMAGE", "1");
+      light_ = device.program({.files = {"voxelize/light.comp"}, .defines = std::move(defines)});
     }
   }
 

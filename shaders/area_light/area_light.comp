@@ -24,7 +24,7 @@ vec3 irradiance_at(ivec2 pixel) {
   irradiance += emitter_irradiance(r, samples_of_part(samples), 4);
 #endif
 #if SKY
-  irradiance += sky_irradiance(r, frame.sky.rgb, samples_of_part(samples));
+  irradiance += sky_irradiance(r, frame.sky, samples_of_part(samples), float(samples) * float(frame.random.w));
 #endif
   return irradiance;
 }

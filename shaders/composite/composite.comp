@@ -1,14 +1,18 @@
 // L = L_e + ρ/π · (1 − E(μ)) · (E_direct + E_indirect) + L_s; the sky where depth is 0.
+#include "lib/math.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 #if SKY
 #include "interop/frame.h"
+#include "lib/sky.glsl"
 layout(std140) uniform frame_data { FrameData frame; };
 #endif
-#if COAT
+#if COAT || (SKY && SCENE_SKY_IMAGE)
 #include "interop/camera.h"
 #include "lib/camera.glsl"
-#include "lib/ggx.glsl"
 layout(std140) uniform surface_data { Camera camera; };
+#endif
+#if COAT
+#include "lib/ggx.glsl"
 uniform sampler2D surface_normal;
 uniform sampler2D surface_specular;
 #endif
@@ -28,15 +32,18 @@ uniform sampler2D indirect_irradiance;
 #endif
 writeonly uniform image2D radiance_image;
 
-#if !COAT
-const float pi = 3.14159265358979;
-#endif
-
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, imageSize(radiance_image)))) return;
 #if SKY
+#if SCENE_SKY_IMAGE
+  // At the middle of a picture in perspective a pixel is so large; an orthographic one sees one direction.
+  vec2 side = 2. * vec2(length(camera.right.xyz), length(camera.up.xyz)) * camera.size.zw;
+  vec3 radiance = sky_radiance(frame.sky, ray_direction(camera, pixel_uv(camera, pixel)),
+                               is_orthographic(camera) ? 0. : side.x * side.y);
+#else
   vec3 radiance = frame.sky.rgb;
+#endif
 #else
   vec3 radiance = vec3(0);
 #endif

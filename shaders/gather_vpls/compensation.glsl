@@ -27,7 +27,7 @@ vec3 straight_irradiance(Point p, uint seed) {
   e += emitter_irradiance(receiver_of(p, seed), 1, 1);
 #endif
 #if SKY
-  e += sky_irradiance(receiver_of(p, seed), frame.sky.rgb, 1);
+  e += sky_irradiance(receiver_of(p, seed), frame.sky, 1, float(compensation));
 #endif
   return e;
 }

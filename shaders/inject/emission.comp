@@ -8,6 +8,7 @@
 #include "inject/elements.glsl"
 #include "inject/hit.glsl"
 #include "lib/sampling.glsl"
+#include "lib/sky.glsl"
 #include "lib/trace.glsl"
 #if EMITTERS
 #include "lib/scene_emitters.glsl"
@@ -51,7 +52,8 @@ EmissionHit from_sky(vec2 where, vec2 which_way) {
                 orthonormal_basis(direction) * vec3(r * cos(angle), r * sin(angle), -1.01 * scene_radius);
   Hit hit = closest_hit(origin, direction, no_hit);
   if (!is_hit(hit)) return EmissionHit(vec4(0), vec4(0), vec4(0));
-  vec3 flux = frame.sky.rgb * (4. * pi * pi * scene_radius * scene_radius / float(emission_rays));
+  vec3 flux = sky_radiance(frame.sky, -direction, 4. * pi / float(emission_rays)) *
+              (4. * pi * pi * scene_radius * scene_radius / float(emission_rays));
   vec3 normal = hit_normal(hit);
   return EmissionHit(vec4(hit_position(hit), 0), vec4(dot(normal, direction) > 0. ? -normal : normal, 1),
                      vec4(flux * hit_albedo(hit), 0));

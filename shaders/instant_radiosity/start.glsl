@@ -7,6 +7,7 @@
 #if EMITTERS
 #include "lib/scene_emitters.glsl"
 #endif
+#include "lib/sky.glsl"
 #include "lib/trace.glsl"
 
 layout(std140) uniform frame_data { FrameData frame; };
@@ -143,7 +144,8 @@ Ray first_ray(Start start) {
 #endif
   if (start.source == SOURCE_SKY) {
     vec3 w = uniform_sphere(numbers(start, 0u));
-    ray = ray_across(across(w), numbers(start, 1u), frame.sky.rgb * (4. * pi * start.weight));
+    vec3 radiance = sky_radiance(frame.sky, -w, 4. * pi / float(max(start.count, 1)));
+    ray = ray_across(across(w), numbers(start, 1u), radiance * (4. * pi * start.weight));
   }
   return ray;
 }

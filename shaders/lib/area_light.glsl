@@ -1,4 +1,4 @@
-// Irradiance straight from emissive triangles and the constant sky, with visibility by rays.
+// Irradiance straight from emissive triangles and the sky, with visibility by rays.
 // The including file defines EMITTERS (EMITTERS_none, _few, _many), TRACED (0: nothing blocks) and, where the scene has
 // masked materials, SCENE_ALPHA_MASK. See passes/area_light/area_light.cpp for the estimators.
 #ifndef LOOM_LIB_AREA_LIGHT_GLSL
@@ -8,6 +8,7 @@
 #define EMITTERS_many 2
 #include "lib/polygon.glsl"
 #include "lib/sampling.glsl"
+#include "lib/sky.glsl"
 #if EMITTERS != EMITTERS_none
 #include "lib/scene_emitters.glsl"
 #endif
@@ -95,17 +96,29 @@ vec3 emitter_irradiance(Receiver r, int samples, int least) {
   return sum;
 }
 
-vec3 sky_irradiance(Receiver r, vec3 sky, int samples) {
+// `sky`: FrameData.sky. `rays`: that the receiver gets in all, of which these are `samples`.
+vec3 sky_irradiance(Receiver r, vec4 sky, int samples, float rays) {
+#if SCENE_SKY_IMAGE
+  vec3 sum = vec3(0), origin = offset_origin(r.x, r.n_g, r.depth);
+  for (int k = 0; k < samples; ++k) {
+    vec3 w = cosine_hemisphere(low_discrepancy(sample_index(r, k, samples), stream(r, 0x736b79u)), r.n);
+    if (dot(w, r.n_g) <= 0.) continue;
 #if TRACED
+    if (occluded(origin, w, 1e30)) continue;
+#endif
+    sum += sky_radiance(sky, w, 2. * pi / rays);
+  }
+  return sum * (pi / float(samples));
+#elif TRACED
   int escaped = 0;
   vec3 origin = offset_origin(r.x, r.n_g, r.depth);
   for (int k = 0; k < samples; ++k) {
     vec3 w = cosine_hemisphere(low_discrepancy(sample_index(r, k, samples), stream(r, 0x736b79u)), r.n);
     if (dot(w, r.n_g) > 0. && !occluded(origin, w, 1e30)) ++escaped;
   }
-  return pi * sky * (float(escaped) / float(samples));
+  return pi * sky.rgb * (float(escaped) / float(samples));
 #else
-  return pi * sky;
+  return pi * sky.rgb;
 #endif
 }
 #endif

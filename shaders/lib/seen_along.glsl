@@ -4,6 +4,7 @@
 //   VOXELS   1 where the input `voxels` holds the scene, with LIGHT and EMISSION as exitant_sheets.glsl has them
 #ifndef LOOM_LIB_SEEN_ALONG_GLSL
 #define LOOM_LIB_SEEN_ALONG_GLSL
+#include "lib/sky.glsl"
 #if PICTURE
 #include "lib/screen_march.glsl"
 uniform sampler2D picture_image;
@@ -28,7 +29,7 @@ vec3 seen_along(vec3 x, vec3 w, vec3 n, float extent, float within) {
   }
   if (screen.end == SCREEN_SKY) {
     ray_ends.x += 1.;
-    return frame.sky.rgb;
+    return sky_radiance(frame.sky, w, 0.);
   }
   if (screen.end == SCREEN_LEFT) ray_ends.y += 1.;
   if (screen.end == SCREEN_LOST) ray_ends.z += 1.;
@@ -42,9 +43,9 @@ vec3 seen_along(vec3 x, vec3 w, vec3 n, float extent, float within) {
   // From where the picture knows no more. A free way of less than a cell says nothing of the voxels' own surfaces.
   bool own = free < grid.cascade[0].w;
   March ray = march(own ? x : x + free * w, w, own ? n : vec3(0), 1e30);
-  return ray.radiance + ray.transmittance * frame.sky.rgb;
+  return ray.radiance + ray.transmittance * sky_radiance(frame.sky, w, 0.);
 #else
-  return frame.sky.rgb;
+  return sky_radiance(frame.sky, w, 0.);
 #endif
 }
 #endif

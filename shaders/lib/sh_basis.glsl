@@ -1,5 +1,5 @@
 // The real spherical harmonics in a unit direction up to band 3, without the Condon–Shortley phase, Y_lm at l² + l + m.
-// The including file defines COEFFICIENTS: 1, 4, 9 or 16. passes/prt/harmonics.h is the same in C++.
+// The including file defines COEFFICIENTS: 1, 4, 9 or 16. framework/include/loom/harmonics.h is the same in C++.
 #ifndef LOOM_LIB_SH_BASIS_GLSL
 #define LOOM_LIB_SH_BASIS_GLSL
 

@@ -36,7 +36,7 @@ void main() {
   e += emitter_irradiance(r, emitter_rays, 1);
 #endif
 #if SKY
-  e += sky_irradiance(r, frame.sky.rgb, emitter_rays);
+  e += sky_irradiance(r, frame.sky, emitter_rays, float(emitter_rays));
 #endif
 #endif
   texels[i].radiance = light_of(inverse_pi * s.albedo * e);

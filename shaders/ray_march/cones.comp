@@ -6,6 +6,7 @@
 #include "lib/camera.glsl"
 #include "lib/grid.glsl"
 #include "lib/math.glsl"
+#include "lib/sky.glsl"
 #include "ray_march/pyramid.glsl"
 
 layout(std140) uniform frame_data { FrameData frame; };
@@ -68,7 +69,7 @@ vec3 irradiance_at(ivec2 pixel) {
     vec4 met = cone(origin, n_g, basis * local, aperture);
     irradiance += met.rgb;
 #if EMITTER
-    irradiance += max(0., 1. - met.a) * frame.sky.rgb;
+    irradiance += max(0., 1. - met.a) * sky_radiance(frame.sky, basis * local, 2. * pi / float(cones));
 #endif
   }
   return irradiance * (pi / float(cones));

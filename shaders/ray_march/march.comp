@@ -5,6 +5,7 @@
 #include "lib/camera.glsl"
 #include "lib/sampling.glsl"
 #include "lib/exitant_sheets.glsl"
+#include "lib/sky.glsl"
 uniform int rays;
 #include "lib/parts.glsl"
 #if AIMED
@@ -42,7 +43,7 @@ vec3 gather(Point x) {
     March ray = march(x.position, w, x.geometric_normal, 1e30);
     sum += ray.radiance;
 #if EMITTER
-    sum += ray.transmittance * frame.sky.rgb;
+    sum += ray.transmittance * sky_radiance(frame.sky, w, 2. * pi / (float(rays) * float(frame.random.w)));
 #endif
   }
   return sum;

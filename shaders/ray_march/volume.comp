@@ -3,6 +3,7 @@
 #include "interop/frame.h"
 #include "lib/sampling.glsl"
 #include "lib/sh.glsl"
+#include "lib/sky.glsl"
 #include "lib/storage.glsl"
 #if SLEEPS
 #include "ray_march/cells.glsl"
@@ -52,7 +53,7 @@ void main() {
     March ray = march(centre, w, vec3(0), 1e30);
     vec3 radiance = ray.radiance;
 #if EMITTER
-    radiance += ray.transmittance * frame.sky.rgb;
+    radiance += ray.transmittance * sky_radiance(frame.sky, w, 4. * pi / float(rays));
 #endif
     vec4 y = sh2_basis(-w);
     red += radiance.r * y;

@@ -8,6 +8,7 @@ layout(LIGHT_FORMAT) uniform image3D voxels_radiance;  // the albedo at first
 #include "lib/sampling.glsl"
 #include "lib/scene_lights.glsl"
 #include "lib/sheets.glsl"
+#include "lib/sky.glsl"
 #if SHADOW_MAPS
 #include "lib/light_shadow.glsl"
 #endif
@@ -71,12 +72,21 @@ vec3 from_emitters(SheetSide s, uint seed) {
 
 #if SKY
 vec3 from_sky(SheetSide s, uint seed) {
-  float escaped = 0.;
+  vec3 escaped = vec3(0);
   for (int k = 0; k < rays; ++k) {
     vec3 w = cosine_hemisphere(low_discrepancy(uint(k), hash(uvec4(seed, 3u, 0u, 0u)).x), s.normal);
-    escaped += march(s.position, w, s.normal, 1e30).transmittance;
+    float free = march(s.position, w, s.normal, 1e30).transmittance;
+#if SCENE_SKY_IMAGE
+    escaped += free * sky_radiance(frame.sky, w, 2. * pi / float(rays));
+#else
+    escaped += vec3(free);
+#endif
   }
+#if SCENE_SKY_IMAGE
+  return pi * (escaped / float(rays));
+#else
   return pi * frame.sky.rgb * (escaped / float(rays));
+#endif
 }
 #endif
 

@@ -13,9 +13,12 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "loom/harmonics.h"
 #include "scene/scene.h"
+#include "scene/sky.h"
 #include "support/bench.h"
 #include "support/scene_builders.h"
+#include "support/sky_images.h"
 
 namespace loom::test {
 namespace {
@@ -111,6 +114,33 @@ TEST_F(PrtTest, TheEnvironmentTurns) {
     moved += std::abs(turned.first.values[i].x - still.first.values[i].x);
   }
   EXPECT_GT(moved, 10);
+}
+
+// A sky of two bands on an unblocked plane: E = πa + 2π/3·b⟨axis,n⟩, which two bands hold. Turning its harmonics is
+// turning its image, and traces nothing anew.
+TEST_F(PrtTest, ASkyOfTwoBandsAndItsTurns) {
+  const double angle = .8;
+  const glm::dvec3 axis = glm::normalize(glm::dvec3(1, .7, .3)), n(-std::sin(angle), std::cos(angle), 0);
+  const auto seen = [&](double image_turn, const char* rotation, const char* order) {
+    scene::Scene scene = plates(angle).build();
+    scene::SkyImage sky = sky_of_two_bands(1, glm::dvec3(1), axis);
+    sky.rotation_rad = image_turn;
+    scene::set_sky(scene, sky);
+    Bench bench(*device_, scene);
+    look_at_plate(bench, angle);
+    return mean(bench, "image",
+                {{"field", "rotation", rotation}, {"field", "order", order}, {"field", "paths", "1024"}});
+  };
+  for (const double degrees : {0., 90., 200.}) {
+    const double turn = degrees * pi / 180;
+    const double expected = irradiance_of_two_bands(1, glm::dvec3(1), turned_about_y(axis, turn), n).x;
+    const std::string text = std::to_string(degrees);
+    for (const char* order : {"1", "2"}) {
+      const double by_image = seen(turn, "0", order), by_harmonics = seen(0, text.c_str(), order);
+      EXPECT_NEAR(by_image, expected, .02 * pi) << degrees;
+      EXPECT_NEAR(by_harmonics, by_image, 1e-5 * pi) << degrees;
+    }
+  }
 }
 
 // Under a constant sky of radiance L a plane gets πL: V is half the sphere, of which two bands hold all that counts.

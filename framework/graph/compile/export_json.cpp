@@ -76,6 +76,8 @@ Json facts_of(const SceneFacts& facts) {
           {"directional_lights", facts.directional_lights},
           {"light_faces", facts.light_faces()},
           {"sky", facts.sky},
+          {"sky_image", facts.sky_image},
+          {"sky_bands", facts.sky_bands},
           {"emissive_triangles", facts.emissive_triangles},
           {"emissive_textures", facts.emissive_textures},
           {"emissive_area_m2", facts.emissive_area},

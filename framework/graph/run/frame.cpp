@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <variant>
@@ -78,7 +79,7 @@ void FrameRunner::begin_frame(const SceneView& scene, const interop::Camera& cam
       .random = {info.seed, static_cast<unsigned int>(info.index), static_cast<unsigned int>(info.sample),
                  static_cast<unsigned int>(info.samples)},
       .time = {static_cast<float>(info.time_s), static_cast<float>(info.dt_s), 0, 0},
-      .sky = glm::vec4(scene.sky_radiance(), 0)};
+      .sky = glm::vec4(scene.sky_radiance(), scene.sky_rotation() / (2 * std::numbers::pi))};
   frame_data_.write(std::as_bytes(std::span(&data, 1)));
 }
 

@@ -36,7 +36,10 @@ struct SceneFacts {
   }
   [[nodiscard]] int lights() const { return spot_lights + wide_spot_lights + point_lights + directional_lights; }
 
-  bool sky = false;            ///< sky radiance is not black
+  bool sky = false;        ///< sky radiance is not black
+  bool sky_image = false;  ///< it is an image: radiance by direction (shaders/lib/sky.glsl)
+  /// Shares of the bands 0, 1 and 2, and of all above, in the mean square of the sky's radiance.
+  std::array<double, 4> sky_bands{};
   int emissive_triangles = 0;  ///< triangles of materials that emit
   bool emissive_textures = false;
   double emissive_area = 0;  ///< m² of those triangles, both sides where a material is double-sided
