@@ -231,7 +231,7 @@ std::uint64_t PhotonMapper::State::follow(const PhotonMap& map, std::array<EyePa
       EyePath& path = paths[at(i)];
       Sample& sample = samples[at(i)];
       if (!packet.hit(i)) {
-        sample.specular += path.weight * lights.sky();
+        sample.specular += path.weight * lights.sky(path.direction);
         alive[i] = 0;
         continue;
       }

@@ -59,13 +59,10 @@ class Composite final : public Pass {
 
   void prepare(Device& device, const Bindings&) override {
     const auto flag = [](bool on) { return on ? "1" : "0"; };
-    std::vector<Define> defines{{"EMISSION", flag(lit_.emission)},
-                                {"DIRECT", flag(lit_.direct)},
-                                {"INDIRECT", flag(lit_.indirect)},
-                                {"SPECULAR", flag(lit_.specular)},
-                                {"COAT", flag(lit_.coat)},
-                                {"SKY", flag(lit_.sky)},
-                                {"SCENE_SKY_IMAGE", flag(lit_.sky_image)}};
+    std::vector<Define> defines{
+        {"EMISSION", flag(lit_.emission)},        {"DIRECT", flag(lit_.direct)}, {"INDIRECT", flag(lit_.indirect)},
+        {"SPECULAR", flag(lit_.specular)},        {"COAT", flag(lit_.coat)},     {"SKY", flag(lit_.sky)},
+        {"SCENE_SKY_IMAGE", flag(lit_.sky_image)}};
     program_ = device.program({.files = {"composite/composite.comp"}, .defines = std::move(defines)});
   }
 
