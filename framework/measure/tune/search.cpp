@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -18,6 +19,10 @@ constexpr double trend_sd = .5;      // of a knob's slope that all pipelines sha
 constexpr double shape_sd = .4;      // of what a pipeline does with its knobs besides
 constexpr double shape_length = .7;  // in ranks, over which that changes
 constexpr double noise_sd = .05;
+/// The last of the measurements, one in so many, go to where an improvement by this share is likeliest, and no more to
+/// where a large one is barely possible.
+constexpr std::size_t surest_share = 4;
+constexpr double worthwhile = .03;
 /// An expected improvement below this share is not worth a measurement.
 constexpr double least_gain = .003;
 
@@ -53,8 +58,9 @@ class Searcher {
       --evaluations;
     }
     choose();
+    const std::size_t surest = evaluations / surest_share;
     for (; evaluations > 0; --evaluations) {
-      const std::optional<std::size_t> next = most_promising();
+      const std::optional<std::size_t> next = most_promising(evaluations <= surest ? Wanted::chance : Wanted::gain);
       if (!next) break;
       see(*next, measure(*next));
       choose();
@@ -106,7 +112,9 @@ class Searcher {
     }
   }
 
-  [[nodiscard]] std::optional<std::size_t> most_promising() const {
+  enum class Wanted : std::uint8_t { gain, chance };
+
+  [[nodiscard]] std::optional<std::size_t> most_promising(Wanted wanted) const {
     std::vector<std::size_t> at;
     std::vector<double> times, errors;
     for (const auto& [candidate, o] : search_.seen) {
@@ -130,8 +138,13 @@ class Searcher {
       if (search_.best) {
         // Of the logarithm: an improvement of one per cent is .01.
         const Guess v = value.at(i);
-        const double ahead = std::log(promise_.value(search_.seen.at(*search_.best))) - v.mean, z = ahead / v.sd;
-        gain *= ahead * normal_below(z) + v.sd * normal_density(z);
+        const double best = std::log(promise_.value(search_.seen.at(*search_.best)));
+        if (wanted == Wanted::chance) {
+          gain *= normal_below((best - worthwhile - v.mean) / v.sd);
+        } else {
+          const double ahead = best - v.mean, z = ahead / v.sd;
+          gain *= ahead * normal_below(z) + v.sd * normal_density(z);
+        }
       }
       if (gain > most) {
         most = gain;
