@@ -1,6 +1,6 @@
 #pragma once
-// Photon mapping: a second reference, which shares no estimator with the path tracer. Light is traced forwards and its
-// density estimated where it lands; straight light too.
+// Photon mapping: a second reference, which shares no estimator with the path tracer but how specular lobes are
+// sampled. Light is traced forwards and its density estimated where it lands; straight light too.
 #include <cstdint>
 #include <memory>
 
