@@ -42,8 +42,8 @@ struct Search {
 /// Gaussian processes, over the logarithms of time and error, learn from every measurement what the pipelines and the
 /// knobs do; the next candidate is the one of the largest expected improvement times probability of keeping the
 /// promise. Half of the measurements go first to pipelines without knobs and to the middles of the grids, the largest
-/// ones in front; the last go to where some improvement is likeliest. Ends early where nothing better is to be expected.
-/// Deterministic.
+/// ones in front; the last go to where some improvement is likeliest. Ends early where nothing better is to be
+/// expected. Deterministic.
 LOOM_API void search(const std::vector<Candidate>& candidates, const Promise& promise, std::size_t evaluations,
                      const std::function<Observation(std::size_t)>& measure, Search& search);
 
