@@ -53,7 +53,7 @@ void LivePipeline::build(const PipelineRequest& request, const Surroundings& sur
     warnings_ = result.diagnostics;
     return std::move(*result.graph);
   };
-  graph::CompileOptions options{.frame_size = request.size};
+  graph::CompileOptions options{.frame_size = request.size, .request_buffers = true};
   const graph::CompiledGraph plain = compile(options);
   files_ = plain.files;
   options.overrides = overrides_of(request.set);

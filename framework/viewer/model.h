@@ -30,11 +30,13 @@ namespace loom::viewer {
 /// Frames that a pipeline with state is given to settle after the last change; then the view rests.
 inline constexpr int settle_frames = 64;
 
-/// A texture that can be looked at.
+/// A texture or buffer that can be looked at.
 struct Inspectable {
   std::string pass, port, member;
   std::string name;  ///< "pass.port.member", "pass.persistent.sum", "x.y.image@prev"
+  std::string type;  ///< of the bundle; empty for state
   std::string unit;
+  bool buffer = false;
   bool made = false;   ///< false: nobody reads it; looking at it makes it
   bool state = false;  ///< persistent or history: always there
   bool never_negative = false;
@@ -121,13 +123,14 @@ class Model {
   /// The output `hdr`, rows from the top; empty where the pipeline names none.
   [[nodiscard]] std::vector<glm::vec4> radiance() const;
 
-  // Looking at a texture.
+  // Looking at a texture or buffer.
   [[nodiscard]] std::vector<Inspectable> inspectables() const;
   bool inspect(const std::string& name);
   [[nodiscard]] const std::string& inspected() const { return inspected_; }
-  /// Null where it is not there.
+  /// Null where it is not there, or the other of the two.
   [[nodiscard]] const Texture* inspected_texture() const;
-  /// Changes where the texture may have: a pass that keeps its outputs does not count.
+  [[nodiscard]] const Buffer* inspected_buffer() const;
+  /// Changes where the texture or buffer may have: a pass that keeps its outputs does not count.
   [[nodiscard]] std::uint64_t inspected_version() const;
   /// True where the texture is a volume or a field of probes that knows its place in the scene.
   [[nodiscard]] bool inspects_volume() const;

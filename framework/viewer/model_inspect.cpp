@@ -1,4 +1,4 @@
-// Model: which textures there are, what they mean, and the one that is looked at.
+// Model: which textures and buffers there are, what they mean, and the one that is looked at.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -89,12 +89,14 @@ std::vector<Inspectable> Model::inspectables() const {
       for (const BundleMember& member : type->members) {
         const auto bound = std::find_if(port.members.begin(), port.members.end(),
                                         [&](const auto& m) { return m.name == member.name; });
-        if (member.kind != MemberKind::texture || bound == port.members.end()) continue;
+        if (bound == port.members.end()) continue;
         list.push_back({.pass = pass.name,
                         .port = port.name,
                         .member = member.name,
                         .name = pass.name + "." + port.name + "." + member.name,
+                        .type = port.type,
                         .unit = member.unit,
+                        .buffer = member.kind == MemberKind::buffer,
                         .made = bound->resource != graph::none,
                         .never_negative = never_negative(port.type, member.name)});
       }
@@ -103,10 +105,11 @@ std::vector<Inspectable> Model::inspectables() const {
   const std::size_t members = list.size();
   for (const graph::Resource& resource : graph.resources) {
     const bool state = resource.lifetime == graph::Resource::Lifetime::persistent || resource.history_of != graph::none;
-    if (!state || !std::holds_alternative<TextureDesc>(resource.desc)) continue;
+    if (!state) continue;
     Inspectable item{.pass = resource.name.substr(0, resource.name.find('.')),
                      .member = resource.name.substr(resource.name.rfind('.') + 1),
                      .name = resource.name,
+                     .buffer = std::holds_alternative<BufferDesc>(resource.desc),
                      .made = true,
                      .state = true};
     // The last frame's is what this frame's is.
@@ -114,6 +117,7 @@ std::vector<Inspectable> Model::inspectables() const {
       const std::string now = item.name.substr(0, item.name.size() - last_frame.size());
       for (std::size_t i = 0; i < members; ++i)
         if (list[i].name == now) {
+          item.type = list[i].type;
           item.unit = list[i].unit;
           item.never_negative = list[i].never_negative;
         }
@@ -165,6 +169,11 @@ int Model::resource_of(const std::string& name) const {
 const Texture* Model::inspected_texture() const {
   const int resource = resource_of(inspected_);
   return resource == graph::none ? nullptr : live_.renderer().resource(resource);
+}
+
+const Buffer* Model::inspected_buffer() const {
+  const int resource = resource_of(inspected_);
+  return resource == graph::none ? nullptr : live_.renderer().buffer(resource);
 }
 
 std::uint64_t Model::inspected_version() const {

@@ -22,6 +22,7 @@ inline const ImVec4 accent{.36F, .67F, .93F, 1};
 inline const ImVec4 changed{.98F, .76F, .36F, 1};
 inline const ImVec4 error{.97F, .45F, .42F, 1};
 inline const ImVec4 good{.52F, .80F, .50F, 1};
+inline const ImVec4 flagged{1, 0, 1, 1};  ///< not finite, as in pictures of textures
 inline const ImVec4 dim{.60F, .62F, .66F, 1};
 }  // namespace colour
 

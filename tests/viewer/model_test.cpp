@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,9 +16,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/image_io.h"
+#include "interop/vpl.h"
+#include "loom/gpu.h"
 #include "support/gl.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
+#include "viewer/buffer_view.h"
 #include "viewer/camera_control.h"
 #include "viewer/model.h"
 #include "viewer/volume_overlay.h"
@@ -221,18 +226,57 @@ TEST_F(ViewerModel, StateThatFitsIsKeptOverACompilation) {
   EXPECT_LT(difference(next, settled), .25 * difference(first, settled));
 }
 
-TEST_F(ViewerModel, LooksAtAnyTexture) {
+TEST_F(ViewerModel, LooksAtAnyTextureAndBuffer) {
   Model model(options());
   std::vector<std::string> unmade;
   for (const auto& item : model.inspectables()) {
     if (!item.made) unmade.push_back(item.name);
     ASSERT_TRUE(model.inspect(item.name)) << item.name;
     picture(model);
-    ASSERT_NE(model.inspected_texture(), nullptr) << item.name;
+    ASSERT_EQ(model.inspected_texture() != nullptr, !item.buffer) << item.name;
+    ASSERT_EQ(model.inspected_buffer() != nullptr, item.buffer) << item.name;
   }
   EXPECT_THAT(unmade, testing::Not(testing::IsEmpty())) << "somebody reads every member: nothing was tried";
   ASSERT_TRUE(model.open_pipeline(viewer::pipeline_file("gbuffer"))) << "which has other passes";
   EXPECT_FALSE(model.problem().has_errors());
+}
+
+TEST_F(ViewerModel, ShowsVirtualLightsAsATable) {
+  Model model({.pipeline = "instant-radiosity", .set = {{"vpls", "paths", "64"}}, .size = small});
+  ASSERT_TRUE(model.inspect("vpls.vpls.lights"));
+  picture(model);
+  const Buffer* buffer = model.inspected_buffer();
+  ASSERT_NE(buffer, nullptr);
+  const viewer::BufferLayout layout = viewer::layout_of("VplSet", "lights");
+  const viewer::BufferPage all = viewer::read_page(*buffer, layout, 0, 1000);
+  interop::VplHeader header{};
+  buffer->read(std::as_writable_bytes(std::span(&header, 1)));
+  ASSERT_GT(header.count.x, 20u);
+  EXPECT_EQ(all.rows, header.count.x);
+  EXPECT_EQ(all.count(), all.rows);
+  EXPECT_EQ(all.not_finite, 0u);
+  const viewer::BufferPage later = viewer::read_page(*buffer, layout, 10, 5);
+  ASSERT_EQ(later.count(), 5u);
+  EXPECT_EQ(later.rows, all.rows);
+  for (std::size_t column = 0; column < layout.columns.size(); ++column)
+    EXPECT_EQ(viewer::cell_of(later, 2, column).text, viewer::cell_of(all, 12, column).text);
+  std::vector<interop::Vpl> lights(1);
+  buffer->read(std::as_writable_bytes(std::span(lights)), sizeof(interop::VplHeader) + 12 * sizeof(interop::Vpl));
+  EXPECT_EQ(viewer::cell_of(all, 12, 1).text, std::to_string(static_cast<int>(lights[0].position.w))) << "the order";
+  EXPECT_EQ(viewer::read_page(*buffer, layout, 100000, 5).count(), 0u);
+}
+
+TEST_F(ViewerModel, FlagsWhatIsNotFiniteInABuffer) {
+  const std::vector<float> values = {1, 2, 3, 4, 5, std::nanf(""), 7, INFINITY, 9};
+  const Buffer buffer = Buffer::of(std::span(values), "test");
+  const viewer::BufferPage page = viewer::read_page(buffer, viewer::layout_of("Plugins", "own"), 0, 100);
+  EXPECT_EQ(page.rows, 2u) << "the ninth number is no row";
+  EXPECT_EQ(page.not_finite, 2u);
+  EXPECT_FALSE(viewer::cell_of(page, 1, 1).finite);
+  EXPECT_EQ(viewer::cell_of(page, 1, 2).text, "7");
+  const viewer::BufferPage whole = viewer::read_page(buffer, viewer::layout_of("Plugins", "own", true), 0, 100);
+  EXPECT_EQ(viewer::cell_of(whole, 0, 0).text, "1065353216");
+  EXPECT_EQ(whole.not_finite, 0u);
 }
 
 TEST_F(ViewerModel, ATextureIsOldOnlyWhereItsPassRan) {

@@ -240,6 +240,18 @@ TEST_F(ViewerWindow, TwiceTheDotsAnInchAreTwiceThePixels) {
   EXPECT_NEAR(ImGui::GetFontSize(), 2 * font, 1);
 }
 
+TEST_F(ViewerWindow, ShowsABufferAsATable) {
+  open({.pipeline = "instant-radiosity", .set = {{"vpls", "paths", "64"}}, .size = glm::ivec2(24, 16)});
+  app_->model().inspect("vpls.vpls.lights");
+  press("2");
+  settle();
+  const viewer::BufferPage& page = app_->ui().texture_panel.table().page();
+  EXPECT_TRUE(page.layout.known);
+  EXPECT_GT(page.rows, 20u);
+  EXPECT_EQ(page.not_finite, 0u);
+  keep("buffer");
+}
+
 TEST_F(ViewerWindow, TakesAnythingThatIsTypedAndClicked) { walk(120); }
 // Most of what a longer walk meets, a shorter one has met: build/bin/test_viewer_window --gtest_filter='Slow*'
 class SlowViewerWindow : public ViewerWindow {};

@@ -34,6 +34,7 @@ struct CompileOptions {
   std::vector<Override> overrides;
   /// What is asked for: names of pipeline outputs or `pass.port[.member]`. Empty = every output that the file names.
   std::vector<std::string> requested;
+  bool request_buffers = false;  ///< the inspector: `requested` may name buffers, too
   bool alias = true;
   bool prune = true;                        ///< --no-prune
   std::vector<std::string> disabled_rules;  ///< --no-prune=rule

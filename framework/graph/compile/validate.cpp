@@ -321,7 +321,7 @@ class Validation {
       return;
     }
     if (info.absent) return;
-    if (member->kind == MemberKind::buffer) {
+    if (member->kind == MemberKind::buffer && !draft_.options->request_buffers) {
       out_.error("not-an-image", what + " is the buffer `" + target.endpoint + "`, which cannot be shown", target.where,
                  "it carries " + carries(info));
       return;

@@ -149,6 +149,7 @@ class RendererImpl final : public Renderer {
   }
 
   [[nodiscard]] const Texture* resource(int index) const override { return storage_.texture(index); }
+  [[nodiscard]] const Buffer* buffer(int index) const override { return storage_.buffer(index); }
 
   [[nodiscard]] std::span<const std::byte> bundle_data(int index) const override {
     const Bundle& bundle = graph_.bundles.at(static_cast<std::size_t>(index));

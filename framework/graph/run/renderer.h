@@ -81,6 +81,8 @@ class LOOM_API Renderer {
   /// The texture behind an entry of graph().resources, or null where that is a buffer or has not been set. A transient
   /// one holds what the last pass left in its slot; outputs, history and persistent ones keep their content.
   [[nodiscard]] virtual const Texture* resource(int index) const = 0;
+  /// The buffer behind an entry of graph().resources, or null where that is a texture; what it holds: as above.
+  [[nodiscard]] virtual const Buffer* buffer(int index) const = 0;
   /// The std140 struct of an entry of graph().bundles as last published; empty where its type has none.
   [[nodiscard]] virtual std::span<const std::byte> bundle_data(int index) const = 0;
   /// Reads an output back; an absent one is zero at frame size.

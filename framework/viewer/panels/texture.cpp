@@ -50,9 +50,8 @@ void TexturePanel::draw_list(Ui& ui) {
 }
 
 void TexturePanel::begin(const Inspectable& item) {
-  if (begun_ == item.name) return;
-  begun_ = item.name;
-  unit_ = item.unit;
+  if (item_.name == item.name) return;
+  item_ = item;
   settings.flag = item.never_negative ? Flag::negative : Flag::not_finite;
 }
 
@@ -195,7 +194,7 @@ void TexturePanel::draw_image() {
       const std::string place = level_box(texels_.desc, settings.mip).size.z > 1
                                     ? fmt::format("({}, {}, {})", p.x, p.y, p.z)
                                     : fmt::format("({}, {})", p.x, p.y);
-      text = fmt::format("{}  {}{}   ", place, numbers, unit_.empty() ? "" : " " + unit_) + text;
+      text = fmt::format("{}  {}{}   ", place, numbers, item_.unit.empty() ? "" : " " + item_.unit) + text;
     }
   }
   ImGui::TextUnformatted(text.c_str());
@@ -210,7 +209,9 @@ void TexturePanel::draw(Ui& ui) {
   if (ImGui::BeginChild("texture")) {
     const Texture* texture = ui.model.inspected_texture();
     if (ui.model.inspected().empty()) {
-      ImGui::TextDisabled("choose a texture on the left, or a wire of the graph");
+      ImGui::TextDisabled("choose a texture or buffer on the left, or a wire of the graph");
+    } else if (const Buffer* buffer = ui.model.inspected_buffer(); buffer != nullptr) {
+      if (item_.name == ui.model.inspected()) table_.draw(ui, item_, *buffer);
     } else if (texture == nullptr) {
       ImGui::TextDisabled("%s carries nothing here", ui.model.inspected().c_str());
     } else {

@@ -1,5 +1,5 @@
 #pragma once
-// The texture inspector: any member of any bundle, and what outlives a frame.
+// The inspector of textures and buffers: any member of any bundle, and what outlives a frame.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -8,6 +8,7 @@
 
 #include "loom/gpu.h"
 #include "viewer/model.h"
+#include "viewer/panels/buffer.h"
 #include "viewer/texture_view.h"
 #include "viewer/volume_cells.h"
 
@@ -28,6 +29,8 @@ class TexturePanel {
   [[nodiscard]] float texel_size() const { return texel_size_; }
   /// True where what is shown is older than what was rendered: a reading was put off, and is due now.
   [[nodiscard]] bool wants_redraw() const;
+  /// The rows that are shown where it is a buffer.
+  [[nodiscard]] const BufferTable& table() const { return table_; }
   TextureViewSettings settings;
   VolumeSettings volume;
 
@@ -43,16 +46,18 @@ class TexturePanel {
   /// Reading takes at most a tenth of the time: what changes faster is shown later.
   void refresh(Ui& ui, const Texture& texture);
 
+  BufferTable table_;
+  Inspectable item_;  ///< what is looked at
   Texels texels_;
   TextureView view_;
   std::unique_ptr<Texture> picture_;
-  std::string shown_, begun_;
+  std::string shown_;
   std::uint64_t version_ = ~std::uint64_t{0}, reads_ = 0;
   TextureViewSettings viewed_;
   double next_read_s_ = 0;
   bool put_off_ = false, stale_ = true;
   glm::vec2 percent_{1, 99};
-  std::string filter_, unit_, said_;
+  std::string filter_, said_;
   glm::vec2 picture_at_{0};
   float texel_size_ = 1;
 };
