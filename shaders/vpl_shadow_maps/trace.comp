@@ -1,4 +1,5 @@
-// What a light sees in the direction of each texel of its map: unit normal towards the light and distance, or 0.
+// What a light sees in the direction of each texel of its map: unit normal towards the light and distance, or 0. A map
+// that holds (`todo` 1) stays as it is.
 #include "lib/octahedral.glsl"
 #include "lib/trace.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -13,7 +14,11 @@ layout(rgba32f) writeonly uniform image2DArray shadows_maps;
 void main() {
   ivec3 texel = ivec3(gl_GlobalInvocationID);
   ivec3 size = imageSize(shadows_maps);
-  if (any(greaterThanEqual(texel, size)) || texel.z >= todo.length() || todo[texel.z] != 2u) return;
+  if (any(greaterThanEqual(texel, size)) || texel.z >= todo.length() || todo[texel.z] == 1u) return;
+  if (todo[texel.z] == 0u) {  // no light has this map
+    imageStore(shadows_maps, texel, vec4(0));
+    return;
+  }
   vec3 n = owners[texel.z].normal.xyz;
   vec2 p = (2. * vec2(texel.xy) + 1.) / vec2(size.xy) - 1.;
   vec3 direction = orthonormal_basis(n) * hemisphere_decode(p);
