@@ -88,9 +88,7 @@ class Radiosity final : public Pass {
     frame.barrier();
     if (copy_through_) frame.dispatch(*copy_through_, bindings, sides);
     for (int order = 2; order <= orders_; ++order) {
-      // Rays are told apart by the orders still to come: one order more changes the light by that order, and not by
-      // other rays in the last.
-      gather_->set("orders_to_come", orders_ - order);
+      gather_->set("order", order);
       // Where orders add up over frames, each frame has rays of its own.
       gather_->set("frame_seed", feedback_ ? static_cast<unsigned int>(frame.info().index) : 0U);
       const int at_once = steps_at_once(rays_, rounds_of_marched_ray(grid.cells.x + grid.cells.y + grid.cells.z));

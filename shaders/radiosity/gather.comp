@@ -13,7 +13,7 @@ uniform sampler3D voxels_radiance;
 layout(FORMAT) uniform image3D TARGET;
 uniform int rays;
 uniform ivec2 part;  // of the rays: the first, and the one after the last
-uniform int orders_to_come;
+uniform int order;
 uniform uint frame_seed;
 
 // One side of a sheet a thread.
@@ -25,7 +25,7 @@ void main() {
   SheetSide s;
   vec3 radiance = vec3(0);
   if (sheet_side(cell, slab >> 1, slab & 1, s) && s.albedo != vec3(0)) {
-    uint seed = hash(uvec4(uvec3(s.texel), frame.random.x ^ uint(orders_to_come) * 0x9e3779b9u ^ frame_seed * 0x85ebca6bu)).x;
+    uint seed = hash(uvec4(uvec3(s.texel), frame.random.x ^ uint(order) * 0x9e3779b9u ^ frame_seed * 0x85ebca6bu)).x;
     vec3 sum = vec3(0);
     for (int k = part.x; k < part.y; ++k) {
       vec3 w = cosine_hemisphere(low_discrepancy(uint(k), seed), s.normal);
