@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <glm/geometric.hpp>
@@ -87,14 +86,14 @@ void Integrator::start(const interop::Camera& camera, glm::ivec2 pixel, std::uin
   for (int i = 0; i < count; ++i) {
     Path& path = paths_[at(i)];
     Sample& s = samples_[at(i)];
-    if (rays16_.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
+    if (!rays16_.hit(i)) {
       s.radiance = lights_.sky(path.direction);
       alive_[at(i)] = 0;
       continue;
     }
-    path.at = geometry_.surface(hit(i), path.direction);
+    path.at = geometry_.surface(rays16_.point(i), path.direction);
     s.hit = true;
-    s.depth = rays16_.ray.tfar[i];
+    s.depth = rays16_.distance(i);
     s.albedo = path.at.albedo;
     s.normal = path.at.normal;
     s.radiance = path.at.emission;
@@ -113,7 +112,7 @@ void Integrator::add_punctual(int vertex) {
   }
   occlude();
   for (int i = 0; i < lanes; ++i) {
-    if (shadow_[at(i)] == 0 || shadow16_.tfar[i] < 0) continue;
+    if (shadow_[at(i)] == 0 || shadow16_.blocked(i)) continue;
     (vertex == 0 ? samples_[at(i)].direct : samples_[at(i)].bounce) += pending_[at(i)];
   }
 }
@@ -133,7 +132,7 @@ void Integrator::add_emitters(int vertex) {
   }
   occlude();
   for (int i = 0; i < lanes; ++i) {
-    if (shadow_[at(i)] != 0 && shadow16_.tfar[i] >= 0) emitted(i, vertex) += pending_[at(i)];
+    if (shadow_[at(i)] != 0 && !shadow16_.blocked(i)) emitted(i, vertex) += pending_[at(i)];
   }
 }
 
@@ -156,8 +155,8 @@ void Integrator::follow(int vertex, bool last) {
     if (alive_[at(i)] == 0) continue;
     Path& path = paths_[at(i)];
     const SurfacePoint from = path.at;
-    const bool sky = rays16_.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID;
-    if (!sky) path.at = geometry_.surface(hit(i), path.direction);
+    const bool sky = !rays16_.hit(i);
+    if (!sky) path.at = geometry_.surface(rays16_.point(i), path.direction);
     const glm::vec3 radiance = sky ? lights_.sky(path.direction) : path.at.emission;
     if (options_.strategy != Strategy::light && radiance != glm::vec3(0)) {
       float share = 1;
@@ -192,57 +191,25 @@ void Integrator::intersect(bool coherent) {
   for (int i = 0; i < lanes; ++i) {
     if (alive_[at(i)] == 0) continue;
     ++rays_;
-    const Path& path = paths_[at(i)];
-    const glm::vec3 origin = path.at.start();
-    RTCRay16& ray = rays16_.ray;
-    ray.org_x[i] = origin.x;
-    ray.org_y[i] = origin.y;
-    ray.org_z[i] = origin.z;
-    ray.dir_x[i] = path.direction.x;
-    ray.dir_y[i] = path.direction.y;
-    ray.dir_z[i] = path.direction.z;
-    ray.tnear[i] = 0;
-    ray.tfar[i] = std::numeric_limits<float>::infinity();
-    ray.time[i] = 0;
-    ray.mask[i] = ~0U;
-    ray.flags[i] = 0;
-    rays16_.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    rays16_.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    rays16_.put(i, paths_[at(i)].at.start(), paths_[at(i)].direction);
   }
-  geometry_.intersect(alive_.data(), rays16_, coherent);
+  rays16_.trace(geometry_, alive_.data(), coherent);
 }
 
 void Integrator::put_shadow_ray(int lane, const LightSample& light) {
   ++rays_;
-  const glm::vec3 origin = paths_[at(lane)].at.start();
   shadow_[at(lane)] = -1;
-  shadow16_.org_x[lane] = origin.x;
-  shadow16_.org_y[lane] = origin.y;
-  shadow16_.org_z[lane] = origin.z;
-  shadow16_.dir_x[lane] = light.direction.x;
-  shadow16_.dir_y[lane] = light.direction.y;
-  shadow16_.dir_z[lane] = light.direction.z;
-  shadow16_.tnear[lane] = 0;
-  shadow16_.tfar[lane] = light.distance;
-  shadow16_.time[lane] = 0;
-  shadow16_.mask[lane] = ~0U;
-  shadow16_.flags[lane] = 0;
+  shadow16_.put(lane, paths_[at(lane)].at.start(), light.direction, light.distance);
 }
 
 void Integrator::occlude() {
   if (std::any_of(shadow_.begin(), shadow_.end(), [](int v) { return v != 0; })) {
-    geometry_.occluded(shadow_.data(), shadow16_);
+    shadow16_.trace(geometry_, shadow_.data());
   }
 }
 
 bool Integrator::any_alive() const {
   return std::any_of(alive_.begin(), alive_.end(), [](int v) { return v != 0; });
-}
-
-TrianglePoint Integrator::hit(int lane) const {
-  return {.geometry = rays16_.hit.geomID[lane],
-          .triangle = rays16_.hit.primID[lane],
-          .uv = {rays16_.hit.u[lane], rays16_.hit.v[lane]}};
 }
 
 }  // namespace loom::reference

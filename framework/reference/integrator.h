@@ -7,6 +7,7 @@
 #include "reference/embree_scene.h"
 #include "reference/film.h"
 #include "reference/lights.h"
+#include "reference/packet.h"
 #include "reference/path_tracer.h"
 #include "reference/sampler.h"
 
@@ -47,7 +48,6 @@ class Integrator {
   void occlude();
   void put_shadow_ray(int lane, const LightSample& light);
   [[nodiscard]] bool any_alive() const;
-  [[nodiscard]] TrianglePoint hit(int lane) const;
   [[nodiscard]] glm::vec3& emitted(int lane, int vertex);
 
   const EmbreeScene& geometry_;
@@ -59,8 +59,8 @@ class Integrator {
   std::array<glm::vec3, lanes> pending_;  ///< what a lane's shadow ray brings if it is not blocked
   alignas(64) std::array<int, lanes> alive_{};
   alignas(64) std::array<int, lanes> shadow_{};
-  alignas(64) RTCRayHit16 rays16_{};
-  alignas(64) RTCRay16 shadow16_{};
+  Packet rays16_;
+  ShadowPacket shadow16_;
 };
 
 }  // namespace loom::reference

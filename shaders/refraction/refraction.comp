@@ -25,7 +25,7 @@ vec3 from_inside(vec3 x, vec3 w, vec3 n_g, float ior, float extent, float within
       sum += weight * through * seen_along(x, out_of, -inwards, extent, within);
     }
     weight *= reflected;
-    if (reflected < 1. / 256.) break;
+    if (reflected < 1. / 256.) break;  // at most so much of what is within is left out
     w = reflect(w, inwards);
   }
   return sum;
