@@ -105,6 +105,20 @@ void require_plausible(const std::string& path, std::int64_t width, std::int64_t
   }
 }
 
+/// Interleaved triples as layers, each number by `linear`.
+template <class T, class Linear>
+ImageLayers split_rgb(const T* rgb, int width, int height, Linear linear) {
+  ImageLayers image{.width = width, .height = height, .channels = {}, .attributes = {}};
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  const char* const names[] = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::vector<float>& values = image.channels[names[c]];
+    values.resize(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) values[i] = linear(rgb[3 * i + c]);
+  }
+  return image;
+}
+
 }  // namespace
 
 void write_file_atomic(const std::string& path, std::span<const std::byte> bytes) {
@@ -230,15 +244,7 @@ ImageLayers read_hdr(const std::string& path) {
       stbi_loadf_from_memory(data, size, &width, &height, &components, 3), &stbi_image_free);
   if (!rgb) bad_image(path, std::string("not a Radiance picture that can be read: ") + stbi_failure_reason());
 
-  ImageLayers image{.width = width, .height = height, .channels = {}, .attributes = {}};
-  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  const char* const names[] = {"R", "G", "B"};
-  for (std::size_t c = 0; c < 3; ++c) {
-    std::vector<float>& values = image.channels[names[c]];
-    values.resize(pixels);
-    for (std::size_t i = 0; i < pixels; ++i) values[i] = rgb.get()[3 * i + c];
-  }
-  return image;
+  return split_rgb(rgb.get(), width, height, [](float value) { return value; });
 }
 
 ImageLayers read_png(const std::string& path) {
@@ -262,16 +268,8 @@ ImageLayers read_png(const std::string& path) {
       stbi_load_from_memory(data, size, &width, &height, &components, 3), &stbi_image_free);
   if (!rgb) bad_image(path, std::string("not a PNG that can be read: ") + stbi_failure_reason());
 
-  ImageLayers image{.width = width, .height = height, .channels = {}, .attributes = {}};
-  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  const char* const names[] = {"R", "G", "B"};
-  for (std::size_t c = 0; c < 3; ++c) {
-    std::vector<float>& values = image.channels[names[c]];
-    values.resize(pixels);
-    for (std::size_t i = 0; i < pixels; ++i)
-      values[i] = srgb_to_linear(static_cast<float>(rgb.get()[3 * i + c]) / 255.f);
-  }
-  return image;
+  return split_rgb(rgb.get(), width, height,
+                   [](stbi_uc value) { return srgb_to_linear(static_cast<float>(value) / 255.f); });
 }
 
 }  // namespace loom
