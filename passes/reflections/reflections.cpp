@@ -8,13 +8,14 @@
 // glass, F is Fresnel's, not Schlick's (docs/specular.md).
 //
 // L of a ray comes, as far as they are wired,
-//   from `picture`, a radiance image of what the camera sees: the ray is followed through the depth image, `steps`
-//   texels
-//     at most, and takes what it meets on a side that is seen (shaders/lib/screen_march.glsl);
+//   from `picture`, a radiance image of what the camera sees: the ray is followed through the depth image, over `steps`
+//   texels at most, and takes what it meets on a side that is seen (shaders/lib/screen_march.glsl);
+//
 //   from `voxels`, with what their sheets reflect (`light`, or straight light alone) and emit: from where the picture
-//   ends
-//     or hides what follows, by a march through the sheets (shaders/lib/voxels.glsl);
+//   ends, or hides what follows, by a march through the sheets (shaders/lib/voxels.glsl);
+//
 //   from the sky, where nothing is met. Without `voxels`, a ray that gets lost in the picture takes what hides it.
+//
 // What a picture shows of glass is looked through. The output `ends` has the shares of rays that were found in the
 // picture, left it, and got lost in it.
 #include "loom/plugin.h"
