@@ -1,9 +1,11 @@
 // The estimators. With E the irradiance at the visible surface x₀ and L its radiance,
 //   L = L_e + ρ₀/π·(E_direct + E_emitter + E_bounce),
 //   E_direct  = Σ I V cos/r²                              punctual lights: one a path, by unblocked irradiance
-//   E_emitter = ∫ L_e(x₁) V cos dω                        light samples and cosine samples, power heuristic (Veach
-//   1995) E_bounce  = ∫ ρ₁/π·E(x₁) cos dω = ⟨ρ₁ E(x₁)⟩          cosine samples: density cos/π, so the weight is ρ₁
-//   alone
+//
+//   E_emitter = ∫ L_e(x₁) V cos dω                        light samples and cosine samples, power heuristic
+//
+//   E_bounce  = ∫ ρ₁/π·E(x₁) cos dω = ⟨ρ₁ E(x₁)⟩          cosine samples: density cos/π, so the weight is ρ₁ alone
+//
 #include "reference/integrator.h"
 
 #include <algorithm>
@@ -12,48 +14,29 @@
 
 #include <glm/geometric.hpp>
 
+#include "reference/camera_hits.h"
+#include "reference/weights.h"
+
 namespace loom::reference {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
-/// Paths weaker than this play roulette, and go on with this weight. Measured on the Cornell box: error² × rays is
-/// least near a half (1 costs a third more, a quarter a tenth).
-constexpr float least_weight = .5F;
-/// Highest chance to go on. Second moments stay finite while ρ² < this, and a path in a white box still ends.
-constexpr float most_survival = 1 - 0x1p-10F;
-
-// Sampler sets: one for the pixel, three for each vertex.
-constexpr std::uint32_t pixel_set = 0;
+// Sampler sets: one for the pixel (find_visible), three for each vertex.
 enum class Set : std::uint32_t { emitter, choice, direction };
 std::uint32_t set_of(int vertex, Set set) {
   return 1 + 3 * static_cast<std::uint32_t>(vertex) + static_cast<std::uint32_t>(set);
-}
-
-/// Power heuristic with exponent 2, for a sample of density `own` that the other way finds with density `other`.
-float heuristic(float own, float other) {
-  const float ratio = other / own;
-  return 1 / (1 + ratio * ratio);
 }
 
 std::size_t at(int lane) { return static_cast<std::size_t>(lane); }
 
 }  // namespace
 
-glm::vec3 camera_ray(const interop::Camera& camera, glm::ivec2 pixel, glm::vec2 inside, glm::vec3& eye) {
-  const bool orthographic = camera.eye.w != 0;
-  const glm::vec2 size(camera.size.x, camera.size.y);
-  const float a = 2 * (static_cast<float>(pixel.x) + inside.x) / size.x - 1;
-  const float b = 1 - 2 * (static_cast<float>(pixel.y) + inside.y) / size.y;
-  const glm::vec3 plane = glm::vec3(camera.right) * a + glm::vec3(camera.up) * b;
-  eye = glm::vec3(camera.eye) + (orthographic ? plane : glm::vec3(0));
-  return glm::normalize(glm::vec3(camera.forward) + (orthographic ? glm::vec3(0) : plane));
-}
-
 Integrator::Integrator(const EmbreeScene& geometry, const Lights& lights, const Options& options)
     : geometry_(geometry), lights_(lights), options_(options) {}
 
 void Integrator::trace(const interop::Camera& camera, glm::ivec2 pixel, std::uint32_t first, int count) {
-  start(camera, pixel, first, count);
+  find_visible(geometry_, lights_, options_.seed, camera, pixel, first, count, rays16_, paths_, samples_, alive_);
+  rays_ += static_cast<std::uint64_t>(count);
   for (int vertex = 0; any_alive(); ++vertex) {
     if (lights_.has_punctual()) add_punctual(vertex);
     if (lights_.has_emitters() && options_.strategy != Strategy::bsdf) add_emitters(vertex);
@@ -65,38 +48,6 @@ void Integrator::trace(const interop::Camera& camera, glm::ivec2 pixel, std::uin
   for (int i = 0; i < count; ++i) {
     Sample& s = samples_[at(i)];
     s.radiance += s.albedo / pi * (s.direct + s.emitter + s.bounce);
-  }
-}
-
-void Integrator::start(const interop::Camera& camera, glm::ivec2 pixel, std::uint32_t first, int count) {
-  const auto number = static_cast<std::uint64_t>(pixel.y) * static_cast<std::uint64_t>(camera.size.x) +
-                      static_cast<std::uint64_t>(pixel.x);
-  for (int i = 0; i < lanes; ++i) {
-    alive_[at(i)] = i < count ? -1 : 0;
-    if (i >= count) continue;
-    const std::uint32_t s = first + static_cast<std::uint32_t>(i);
-    Path& path = paths_[at(i)];
-    path = {};
-    path.sampler = PathSampler(options_.seed, number, s % replicates, s / replicates);
-    const glm::vec2 inside = path.sampler.pair(pixel_set);
-    path.direction = camera_ray(camera, pixel, inside, path.at.position);
-    samples_[at(i)] = {};
-  }
-  intersect(true);
-  for (int i = 0; i < count; ++i) {
-    Path& path = paths_[at(i)];
-    Sample& s = samples_[at(i)];
-    if (!rays16_.hit(i)) {
-      s.radiance = lights_.sky(path.direction);
-      alive_[at(i)] = 0;
-      continue;
-    }
-    path.at = geometry_.surface(rays16_.point(i), path.direction);
-    s.hit = true;
-    s.depth = rays16_.distance(i);
-    s.albedo = path.at.albedo;
-    s.normal = path.at.normal;
-    s.radiance = path.at.emission;
   }
 }
 
@@ -126,7 +77,7 @@ void Integrator::add_emitters(int vertex) {
     if (!(light.density > 0)) continue;
     const float cosine = glm::dot(path.at.normal, light.direction);
     if (cosine <= 0 || glm::dot(path.at.geometric_normal, light.direction) <= 0) continue;
-    const float share = options_.strategy == Strategy::mis ? heuristic(light.density, cosine / pi) : 1;
+    const float share = options_.strategy == Strategy::mis ? power_heuristic(light.density, cosine / pi) : 1;
     pending_[at(i)] = path.weight * light.value * (cosine / light.density * share);
     put_shadow_ray(i, light);
   }
@@ -150,7 +101,7 @@ void Integrator::scatter(int vertex) {
 
 void Integrator::follow(int vertex, bool last) {
   if (!any_alive()) return;
-  intersect(false);
+  intersect();
   for (int i = 0; i < lanes; ++i) {
     if (alive_[at(i)] == 0) continue;
     Path& path = paths_[at(i)];
@@ -161,8 +112,8 @@ void Integrator::follow(int vertex, bool last) {
     if (options_.strategy != Strategy::light && radiance != glm::vec3(0)) {
       float share = 1;
       if (options_.strategy == Strategy::mis) {
-        share = heuristic(path.density, sky ? lights_.sky_density(from, path.direction)
-                                            : lights_.density(from.start(), path.at, path.direction));
+        share = power_heuristic(path.density, sky ? lights_.sky_density(from, path.direction)
+                                                  : lights_.density(from.start(), path.at, path.direction));
       }
       emitted(i, vertex) += path.weight * radiance * (pi * share);
     }
@@ -187,13 +138,13 @@ glm::vec3& Integrator::emitted(int lane, int vertex) {
   return vertex == 0 ? s.emitter : s.bounce;
 }
 
-void Integrator::intersect(bool coherent) {
+void Integrator::intersect() {
   for (int i = 0; i < lanes; ++i) {
     if (alive_[at(i)] == 0) continue;
     ++rays_;
     rays16_.put(i, paths_[at(i)].at.start(), paths_[at(i)].direction);
   }
-  rays16_.trace(geometry_, alive_.data(), coherent);
+  rays16_.trace(geometry_, alive_.data(), false);
 }
 
 void Integrator::put_shadow_ray(int lane, const LightSample& light) {

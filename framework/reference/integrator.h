@@ -13,11 +13,6 @@
 
 namespace loom::reference {
 
-static_assert(lanes == replicates);
-
-/// The ray through `inside` (0 … 1 each way, v down) of a pixel: its unit direction, and where it starts.
-glm::vec3 camera_ray(const interop::Camera& camera, glm::ivec2 pixel, glm::vec2 inside, glm::vec3& eye);
-
 class Integrator {
  public:
   Integrator(const EmbreeScene& geometry, const Lights& lights, const Options& options);
@@ -36,7 +31,6 @@ class Integrator {
     float density = 0;  ///< of `direction`, per solid angle
   };
 
-  void start(const interop::Camera& camera, glm::ivec2 pixel, std::uint32_t first, int count);
   void add_punctual(int vertex);
   void add_emitters(int vertex);
   /// Chooses directions; lanes whose direction enters the surface end.
@@ -44,7 +38,7 @@ class Integrator {
   /// Follows the directions to the next surface, adding what it and the sky emit.
   void follow(int vertex, bool last);
   [[nodiscard]] bool roulette(int lane, int vertex);
-  void intersect(bool coherent);
+  void intersect();
   void occlude();
   void put_shadow_ray(int lane, const LightSample& light);
   [[nodiscard]] bool any_alive() const;

@@ -9,6 +9,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "reference/weights.h"
+
 namespace loom::reference {
 namespace {
 
@@ -33,8 +35,6 @@ glm::vec2 square_to_triangle(glm::vec2 u) {
   }
   return u;
 }
-
-float largest(const glm::vec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 
 }  // namespace
 

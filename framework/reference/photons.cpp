@@ -27,14 +27,15 @@
 #include <glm/geometric.hpp>
 
 #include "reference/bsdf.h"
+#include "reference/camera_hits.h"
 #include "reference/embree_scene.h"
-#include "reference/integrator.h"
 #include "reference/lights.h"
 #include "reference/packet.h"
 #include "reference/path_tracer.h"
 #include "reference/photon_map.h"
 #include "reference/photon_sources.h"
 #include "reference/sampler.h"
+#include "reference/weights.h"
 
 namespace loom::reference {
 namespace {
@@ -42,13 +43,10 @@ namespace {
 constexpr float pi = std::numbers::pi_v<float>;
 /// α of the shrinking radius: what both errors fall with fastest, noise as i^(−α/2) (Knaus and Zwicker, section 4).
 constexpr double shrink = 2. / 3;
-constexpr float least_weight = .5F, most_survival = 1 - 0x1p-10F;  // as the path tracer has them
-constexpr int chunk = 4096;                                        ///< photons of one task
-constexpr std::uint64_t photon_stream = 0x70686f746f6eU;           ///< apart from the path tracer's numbers
+constexpr int chunk = 4096;                               ///< photons of one task
+constexpr std::uint64_t photon_stream = 0x70686f746f6eU;  ///< apart from the path tracer's numbers
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-float largest(const glm::vec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 
 glm::vec3& layer(Kind kind, Sample& sample) {
   return kind == Kind::direct ? sample.direct : kind == Kind::emitter ? sample.emitter : sample.bounce;

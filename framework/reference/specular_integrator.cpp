@@ -13,25 +13,18 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "reference/integrator.h"
+#include "reference/camera_hits.h"
+#include "reference/weights.h"
 
 namespace loom::reference {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
-constexpr float least_weight = .5F, most_survival = 1 - 0x1p-10F;  // as Integrator has them
 
 // Sampler sets: one for the pixel, four for each vertex of each of the two kinds of paths.
-constexpr std::uint32_t pixel_set = 0, emitter_set = 0, choice_set = 1, direction_set = 2, lobe_set = 3;
-
-float heuristic(float own, float other) {
-  const float ratio = other / own;
-  return 1 / (1 + ratio * ratio);
-}
+constexpr std::uint32_t emitter_set = 0, choice_set = 1, direction_set = 2, lobe_set = 3;
 
 std::size_t at(int lane) { return static_cast<std::size_t>(lane); }
-
-float largest(const glm::vec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 
 }  // namespace
 
@@ -45,43 +38,10 @@ std::uint32_t SpecularIntegrator::set_of(int vertex, std::uint32_t which) const 
 Lobes SpecularIntegrator::lobes_at(int vertex) const { return vertex == 0 ? first_ : Lobes::all; }
 
 void SpecularIntegrator::trace(const interop::Camera& camera, glm::ivec2 pixel, std::uint32_t first, int count) {
-  start(camera, pixel, first, count);
+  find_visible(geometry_, lights_, options_.seed, camera, pixel, first, count, rays16_, seen_, samples_, hit_);
+  rays_ += static_cast<std::uint64_t>(count);
   follow_all(Lobes::diffuse);
   follow_all(Lobes::specular);
-}
-
-void SpecularIntegrator::start(const interop::Camera& camera, glm::ivec2 pixel, std::uint32_t first, int count) {
-  const auto number = static_cast<std::uint64_t>(pixel.y) * static_cast<std::uint64_t>(camera.size.x) +
-                      static_cast<std::uint64_t>(pixel.x);
-  for (int i = 0; i < lanes; ++i) {
-    hit_[at(i)] = i < count ? -1 : 0;
-    if (i >= count) continue;
-    const std::uint32_t s = first + static_cast<std::uint32_t>(i);
-    Path& path = seen_[at(i)];
-    path = {};
-    path.sampler = PathSampler(options_.seed, number, s % replicates, s / replicates);
-    glm::vec3 eye(0);
-    path.direction = camera_ray(camera, pixel, path.sampler.pair(pixel_set), eye);
-    rays16_.put(i, eye, path.direction);
-    samples_[at(i)] = {};
-  }
-  rays_ += static_cast<std::uint64_t>(count);
-  rays16_.trace(geometry_, hit_.data(), true);
-  for (int i = 0; i < count; ++i) {
-    Path& path = seen_[at(i)];
-    Sample& s = samples_[at(i)];
-    if (!rays16_.hit(i)) {
-      s.radiance = lights_.sky(path.direction);
-      hit_[at(i)] = 0;
-      continue;
-    }
-    path.at = geometry_.surface(rays16_.point(i), path.direction);
-    s.hit = true;
-    s.depth = rays16_.distance(i);
-    s.albedo = path.at.albedo;
-    s.normal = path.at.normal;
-    s.radiance = path.at.emission;
-  }
 }
 
 void SpecularIntegrator::follow_all(Lobes first) {
@@ -157,7 +117,7 @@ void SpecularIntegrator::add_emitters(int vertex) {
     const Bsdf bsdf = path.bsdf();
     const Lobes lobes = lobes_at(vertex);
     const float share =
-        options_.strategy == Strategy::mis ? heuristic(light.density, bsdf.density(light.direction, lobes)) : 1;
+        options_.strategy == Strategy::mis ? power_heuristic(light.density, bsdf.density(light.direction, lobes)) : 1;
     const glm::vec3 arrives = light.value * (cosine / light.density * share);
     const glm::vec3 f = bsdf.evaluate(light.direction, lobes);
     pending_[at(i)] = path.weight * f * arrives;
@@ -203,8 +163,8 @@ void SpecularIntegrator::follow(int vertex, bool last) {
     if (radiance != glm::vec3(0) && (options_.strategy != Strategy::light || !findable)) {
       float share = 1;
       if (options_.strategy == Strategy::mis && findable) {
-        share = heuristic(path.density, sky ? lights_.sky_density(from, path.direction)
-                                            : lights_.density(from.start(), path.at, path.direction));
+        share = power_heuristic(path.density, sky ? lights_.sky_density(from, path.direction)
+                                                  : lights_.density(from.start(), path.at, path.direction));
       }
       add(i, vertex, path.weight * radiance * share, path.irradiance * radiance * share, samples_[at(i)].emitter);
     }

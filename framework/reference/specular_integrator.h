@@ -35,7 +35,6 @@ class SpecularIntegrator {
   };
   using Paths = std::array<Path, lanes>;
 
-  void start(const interop::Camera& camera, glm::ivec2 pixel, std::uint32_t first, int count);
   /// Follows copies of the paths from the visible surface on, there by `first` alone.
   void follow_all(Lobes first);
   [[nodiscard]] Lobes lobes_at(int vertex) const;

@@ -4,8 +4,10 @@
 //   geometric_normal  unit normal of the triangle, world, towards the viewer
 //   albedo            ρ = baseColor·(1−metallic)·(1−transmission), textures and vertex colours included
 //   emission          exitant radiance towards the viewer, W/(m² sr)
-//   specular          rgb: F₀, reflectance along the normal; a: α = roughness² of GGX; where surfaces are ggx and
-//   glossy transmission      r: share of the dielectric's light that is refracted, g: its index of refraction; likewise
+//   specular          rgb: F₀, reflectance along the normal; a: α = roughness² of GGX; where a surface is glossy
+//
+//   transmission      r: share of the dielectric's light that is refracted, g: its index; where a surface is glass
+//
 // Nothing is culled; masked materials are cut by their alpha; the back of a single-sided face does not emit. The bundle
 // struct is the camera, its sub-pixel shift included.
 #include <array>
